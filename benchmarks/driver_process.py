@@ -67,7 +67,7 @@ class Measuring:
     def __init__(self, folder: Path, process: str) -> None:
         wave = ParallelCalls((Call("wave", {}, "robot", HERE),))
         spec = DriverSpec(
-            *("robot", "timed", TimedSettings(), Timed.verbs(None), ("stopped",), HERE),
+            *("robot", "timed", TimedSettings(), Timed.offer(None), HERE),
             process=process,
         )
         made = Experiment(

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from woz_tui.drivers.contract import Driver, Job, Scope, StopReport, Verb
+from woz_tui.drivers.contract import Driver, Job, Offer, Scope, StopReport, Verb
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,14 +22,9 @@ class Timed(Driver):
     summary = "for a benchmark"
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        """One, that is done at once."""
-        return (Verb("wave", "wave", lane="hand"),)
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """When it was stopped."""
-        return ("stopped",)
+    def offer(cls, settings: Any) -> Offer:
+        """One, that is done at once; when it was stopped."""
+        return Offer(verbs=(Verb("wave", "wave", lane="hand"),), sensors=("stopped",))
 
     async def perform(self, job: Job) -> Mapping[str, Any]:
         """When it began."""

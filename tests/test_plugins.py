@@ -109,6 +109,11 @@ def test_an_import_that_does_not_end_is_named(
             WHOLE.replace("Settings = Nothing", "Settings = dict"),
             "has Settings that are no dataclass",
         ),
+        (
+            "toy = toys_module:Toy",
+            f"{WHOLE}    @classmethod\n    def verbs(cls, settings): return ()\n",
+            "what its class method verbs says is a field of the Offer",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_driver_is_said_by_package(

@@ -13,7 +13,7 @@ import math
 import os
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 from woz_tui.drivers.contract import (
@@ -22,6 +22,7 @@ from woz_tui.drivers.contract import (
     DriverContext,
     Health,
     Job,
+    Offer,
     Scope,
     Verb,
 )
@@ -54,9 +55,14 @@ class Probe(Driver):
         self._task: asyncio.Task[None] | None = None
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return (
-            Verb("say", "note a call", (Argument("text", "text", required=True),), lane="voice"),
+    def offer(cls, settings: Any) -> Offer:
+        return replace(
+            super().offer(settings),
+            verbs=(
+                Verb(
+                    "say", "note a call", (Argument("text", "text", required=True),), lane="voice"
+                ),
+            ),
         )
 
     def _note(self, what: str) -> None:
@@ -114,8 +120,8 @@ class Eye(Probe):
         self._task: asyncio.Task[None] | None = None
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return ()
+    def offer(cls, settings: Any) -> Offer:
+        return replace(super().offer(settings), verbs=())
 
     async def open(self) -> None:
         self._context.health(Health.CONNECTED, "sees")

@@ -33,7 +33,7 @@ from woz_tui.testing import until
 
 PATIENCE_S = 40.0
 SEEDS = st.integers(0, 1 << 32)
-CALLS = BehaviourCalls([("robot", verb) for verb in ScriptedDriver.verbs(None)])
+CALLS = BehaviourCalls([("robot", verb) for verb in ScriptedDriver.offer(None).verbs])
 
 
 @given(seed=SEEDS)

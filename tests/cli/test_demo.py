@@ -71,7 +71,7 @@ def shown_by(robot: str) -> Experiment:
 @pytest.mark.parametrize("robot", demo.other_robots())
 def test_a_demo_has_the_size_of_its_robot(robot: str) -> None:
     experiment = shown_by(robot)
-    verbs = {(spec.name, verb.name) for spec in experiment.drivers for verb in spec.verbs}
+    verbs = {(spec.name, verb.name) for spec in experiment.drivers for verb in spec.offer.verbs}
     actions = [action for panel in experiment.panels for action in panel.actions]
     assert len(actions) >= 10
     for action in actions:
@@ -84,7 +84,7 @@ def test_a_demo_has_the_size_of_its_robot(robot: str) -> None:
     first = experiment.action(experiment.script[0])
     assert first is not None
     assert "say" in [call.verb for call in first.calls] or "say" not in {v for _, v in verbs}
-    sensors = {name for spec in experiment.drivers for name in spec.sensors}
+    sensors = {name for spec in experiment.drivers for name in spec.offer.sensors}
     if experiment.engagement is not None:
         assert {*experiment.engagement.settings.signs} <= sensors
     assert {*experiment.sensors} <= {*sensors, "engagement", "pose"}

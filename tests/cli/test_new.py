@@ -250,7 +250,7 @@ def test_an_experiment_on_the_simulated_robot_has_a_visitor(
     assert "address" not in capsys.readouterr().out
     experiment = read_experiment(tmp_path / "e.yaml")
     assert experiment.engagement is not None
-    sensors = {name for spec in experiment.drivers for name in spec.sensors}
+    sensors = {name for spec in experiment.drivers for name in spec.offer.sensors}
     assert {"presence", "gaze", "distance", "loudness"} <= sensors
 
 

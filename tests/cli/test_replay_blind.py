@@ -71,7 +71,7 @@ def log(folder: Path, *messages: Timed, plan: bool = True) -> Path:
         seed=3,
         clock={},
     )
-    session_plan = plan_of(ExperimentView(read, installed(), values=dict(read.variables)))
+    session_plan = plan_of(ExperimentView(read, values=dict(read.variables)))
     beginning: list[Timed] = [(0, start), (0, experiment_files(read))]
     return write_log(
         folder / LOG, [*beginning, *([(0, session_plan)] if plan else []), *messages, (9, END)]
@@ -165,7 +165,7 @@ def test_the_commands_of_then_are_shown_as_the_wizard_saw_them(
 def test_so_are_they_while_it_runs_without_a_console(tmp_path: Path) -> None:
     log(tmp_path)
     read = load(tmp_path / "small.yaml", installed())
-    study = plan_of(ExperimentView(read, installed(), values=dict(read.variables))).settings.study
+    study = plan_of(ExperimentView(read, values=dict(read.variables))).settings.study
     long = command("c1", args={"text": "Good day. " * 9}, source="replay", **TELLING)
     rerun_sent = m.RerunSent(command="c1", original_command="c9", due=0, late_us=0)
     progress = RerunLines(redactor=Redactor(study))

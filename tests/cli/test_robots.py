@@ -13,7 +13,7 @@ import pytest
 from tests.config.catalogue import CATALOGUE, Bare, NoSettings, VoiceSettings
 from tools.driver_settings import bundled
 from woz_tui.cli import robots
-from woz_tui.drivers.contract import Driver, DriverFacts, Job, PassiveDriver, Scope, Verb
+from woz_tui.drivers.contract import Driver, DriverFacts, Job, Offer, PassiveDriver, Scope, Verb
 from woz_tui.protocol.messages import Json
 
 ROOT = Path(__file__).parents[2]
@@ -57,7 +57,7 @@ class Unkind(Bare):
     Settings = NoSettings
 
     @classmethod
-    def sensors(cls, settings: object) -> tuple[str, ...]:
+    def offer(cls, settings: object) -> Offer:
         raise RuntimeError("a bug in the driver")
 
 
@@ -118,8 +118,8 @@ class Declared(Bare):
     facts = DriverFacts(robot=True)
 
     @classmethod
-    def verbs(cls, settings: VoiceSettings) -> tuple[Verb, ...]:
-        return tuple(Verb(word, "declared") for word in settings.words)
+    def offer(cls, settings: VoiceSettings) -> Offer:
+        return Offer(verbs=tuple(Verb(word, "declared") for word in settings.words))
 
 
 def test_a_robot_that_its_file_declares_is_there_by_the_files_name(

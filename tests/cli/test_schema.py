@@ -13,7 +13,7 @@ from woz_drivers.body import Body
 from woz_tui.cli import schema
 from woz_tui.config.json_schema import experiment_schema
 from woz_tui.drivers import plugins
-from woz_tui.drivers.contract import Verb
+from woz_tui.drivers.contract import Offer
 
 
 @pytest.mark.parametrize(
@@ -53,7 +53,7 @@ def test_a_driver_that_cannot_be_loaded_is_left_out_and_named(
 def test_verbs_that_nobody_can_know_are_named() -> None:
     class Choosy(Body):
         @classmethod
-        def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        def offer(cls, settings: Any) -> Offer:
             raise ValueError("not with these settings")
 
     told: list[str] = []

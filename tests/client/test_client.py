@@ -255,7 +255,7 @@ async def test_a_gaze_returns_when_the_head_is_there(tmp_path: Path) -> None:
     made: Any = None
     async with served_session(tmp_path, catalogue={"puppet": SlowGazeDriver}) as host:
         spec: DriverSpec = host.session.experiment.drivers[0]
-        made = SlowGazeDriver.verbs(None)
+        made = SlowGazeDriver.offer(None).verbs
         host.session.bus.offer(spec.name, made)
         async with connect(host.path) as woz:
             looking = asyncio.create_task(woz.gaze(yaw=20.0))

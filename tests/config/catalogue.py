@@ -12,7 +12,7 @@ from woz_drivers.body import Body
 from woz_drivers.dynamixel import DynamixelServos
 from woz_drivers.simulated.settings import SimulatedSettings
 
-from woz_tui.drivers.contract import Argument, Ask, Driver, Job, PassiveDriver, Verb
+from woz_tui.drivers.contract import Argument, Ask, Driver, Job, Offer, PassiveDriver, Verb
 from woz_tui.drivers.fields import Doc, OneOf, Path, Pattern, Port, Range, Seconds, Section
 from woz_tui.protocol.messages import Json
 
@@ -56,34 +56,29 @@ class Head(Bare):
     Settings = HeadSettings
 
     @classmethod
-    def lacks(cls, settings: HeadSettings) -> Mapping[str, str]:
-        return {"repeat": "it has no mouth"}
-
-    @classmethod
-    def joints(cls, settings: HeadSettings) -> Mapping[str, Range]:
-        return {name: Range(joint.min, joint.max, "deg") for name, joint in settings.joints.items()}
-
-    @classmethod
-    def verbs(cls, settings: HeadSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: HeadSettings) -> Offer:
         seconds = Argument("seconds", "seconds", default=1.0, range=Range(0, 60, "s"))
         move = Argument("move", "choice", required=True, choices=("nod", "shake"))
-        return (
-            Verb("play", "a gesture", (move, Argument("speed", "number", range=Range(0.1, 4)))),
-            Verb(
-                "pose",
-                "a pose",
-                (Argument("joints", "joints", required=True), seconds),
-                arrives=True,
+        return Offer(
+            lacks={"repeat": "it has no mouth"},
+            joints={
+                name: Range(joint.min, joint.max, "deg") for name, joint in settings.joints.items()
+            },
+            verbs=(
+                Verb("play", "a gesture", (move, Argument("speed", "number", range=Range(0.1, 4)))),
+                Verb(
+                    "pose",
+                    "a pose",
+                    (Argument("joints", "joints", required=True), seconds),
+                    arrives=True,
+                ),
+                Verb("poses", "poses", (Argument("poses", "poses", required=True),)),
+                Verb("home", "go home", (seconds,)),
+                Verb("torque", "hold", (Argument("on", "flag", required=True),), lane="control"),
+                Verb("blink", "close the eyes once", lane="eyes"),
             ),
-            Verb("poses", "poses", (Argument("poses", "poses", required=True),)),
-            Verb("home", "go home", (seconds,)),
-            Verb("torque", "hold", (Argument("on", "flag", required=True),), lane="control"),
-            Verb("blink", "close the eyes once", lane="eyes"),
+            sensors=tuple(f"joint.{name}" for name in settings.joints),
         )
-
-    @classmethod
-    def sensors(cls, settings: HeadSettings) -> tuple[str, ...]:
-        return tuple(f"joint.{name}" for name in settings.joints)
 
 
 class Colour(enum.Enum):
@@ -130,22 +125,26 @@ class Voice(Bare):
     Settings: ClassVar[type] = VoiceSettings
 
     @classmethod
-    def verbs(cls, settings: VoiceSettings) -> tuple[Verb, ...]:
-        return (
-            Verb(
-                "say",
-                "speak",
-                (
-                    Argument("text", "text", "what to say", required=True),
-                    Argument("volume", "number", range=Range(0, 1)),
-                    Argument("speed", "number", range=Range(0.5, 2)),
+    def offer(cls, settings: VoiceSettings) -> Offer:
+        return Offer(
+            verbs=(
+                Verb(
+                    "say",
+                    "speak",
+                    (
+                        Argument("text", "text", "what to say", required=True),
+                        Argument("volume", "number", range=Range(0, 1)),
+                        Argument("speed", "number", range=Range(0.5, 2)),
+                    ),
+                    lane="voice",
+                    limit_s=60.0,
                 ),
-                lane="voice",
-                limit_s=60.0,
-            ),
-            Verb("sound", "play a file", (Argument("file", "file", required=True),), lane="sound"),
-            Verb("volume", "how loud", (Argument("level", "number", range=Range(0, 1)),)),
-            Verb("repeat", "say it again", (Argument("times", "whole", range=Range(1, 9)),)),
+                Verb(
+                    "sound", "play a file", (Argument("file", "file", required=True),), lane="sound"
+                ),
+                Verb("volume", "how loud", (Argument("level", "number", range=Range(0, 1)),)),
+                Verb("repeat", "say it again", (Argument("times", "whole", range=Range(1, 9)),)),
+            )
         )
 
 
@@ -160,27 +159,31 @@ class Simulated(Bare):
     Settings = SimulatedSettings
 
     @classmethod
-    def verbs(cls, settings: SimulatedSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: SimulatedSettings) -> Offer:
         emotions = ("neutral", "happy", "sad")
-        return (
-            Verb("say", "speak", (Argument("text", "text", required=True),), lane="voice"),
-            Verb(
-                "emotion",
-                "show an emotion",
-                (
-                    Argument("emotion", "choice", required=True, choices=emotions),
-                    Argument("intensity", "number", range=Range(0, 1)),
+        return Offer(
+            verbs=(
+                Verb("say", "speak", (Argument("text", "text", required=True),), lane="voice"),
+                Verb(
+                    "emotion",
+                    "show an emotion",
+                    (
+                        Argument("emotion", "choice", required=True, choices=emotions),
+                        Argument("intensity", "number", range=Range(0, 1)),
+                    ),
+                    lane="face",
                 ),
-                lane="face",
-            ),
-            Verb(
-                "drive",
-                "drive",
-                (Argument("x", "number", range=Range(-1, 1, "m")), Argument("turn", "number")),
-                lane="base",
-                drives=True,
-            ),
-            Verb("screen", "show a file", (Argument("file", "file", required=True),), lane="face"),
+                Verb(
+                    "drive",
+                    "drive",
+                    (Argument("x", "number", range=Range(-1, 1, "m")), Argument("turn", "number")),
+                    lane="base",
+                    drives=True,
+                ),
+                Verb(
+                    "screen", "show a file", (Argument("file", "file", required=True),), lane="face"
+                ),
+            )
         )
 
 
@@ -198,15 +201,14 @@ class Camera(Bare):
     Settings = CameraSettings
 
     @classmethod
-    def sensors(cls, settings: CameraSettings) -> tuple[str, ...]:
-        return settings.sees
-
-    @classmethod
-    def asks(cls, settings: CameraSettings) -> list[tuple[str, Ask]]:
-        return [
-            (f"buttons.{verb}", Ask("verb", verb, {"sign": sign}))
-            for verb, sign in settings.buttons.items()
-        ]
+    def offer(cls, settings: CameraSettings) -> Offer:
+        return Offer(
+            sensors=settings.sees,
+            asks=tuple(
+                (f"buttons.{verb}", Ask("verb", verb, {"sign": sign}))
+                for verb, sign in settings.buttons.items()
+            ),
+        )
 
 
 class Failing(Bare):
@@ -215,7 +217,7 @@ class Failing(Bare):
     Settings = NoSettings
 
     @classmethod
-    def verbs(cls, settings: NoSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NoSettings) -> Offer:
         raise RuntimeError("a bug in the driver")
 
 

@@ -214,7 +214,9 @@ def test_a_robot_has_one_name_in_a_file_and_on_the_command_line(tmp_path: Path, 
 def test_the_word_simulated_is_a_robot_with_a_visitor(tmp_path: Path) -> None:
     path = tmp_path / "e.yaml"
     path.write_text(panel("{label: A, say: Hi}", head="title: T\nrobot: simulated\n"))
-    sensors = {name for spec in load(path, plugins.installed()).drivers for name in spec.sensors}
+    sensors = {
+        name for spec in load(path, plugins.installed()).drivers for name in spec.offer.sensors
+    }
     assert {"presence", "gaze", "distance", "loudness"} <= sensors
 
 

@@ -14,7 +14,7 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.config.problems import MAX_PROBLEMS
-from woz_tui.drivers.contract import UNKNOWN, Argument, Ask, Driver, Finding, Verb, Written
+from woz_tui.drivers.contract import UNKNOWN, Argument, Ask, Driver, Finding, Offer, Verb, Written
 from woz_tui.protocol.messages import Json
 
 
@@ -42,8 +42,8 @@ class Critic(Bare):
     folders: ClassVar[set[Path]] = set()
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return VERBS
+    def offer(cls, settings: Any) -> Offer:
+        return Offer(verbs=VERBS)
 
     @classmethod
     def remarks(cls, settings: Any, written: Written) -> Iterator[Finding]:
@@ -175,8 +175,10 @@ def test_what_a_driver_would_ask_for_tells_no_secret_either(tmp_path: Path) -> N
         Settings: ClassVar[type] = NoSettings
 
         @classmethod
-        def asks(cls, settings: Any) -> list[tuple[str, Ask]]:
-            return [("button", Ask("verb", "enter", {"pin": "1234"})), ("mark", Ask("mark", "x"))]
+        def offer(cls, settings: Any) -> Offer:
+            return Offer(
+                asks=(("button", Ask("verb", "enter", {"pin": "1234"})), ("mark", Ask("mark", "x")))
+            )
 
     path = tmp_path / "e.yaml"
     path.write_text(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -20,7 +21,7 @@ from woz_tui.config.loading import load
 from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.config.session_verbs import engagement_verbs
 from woz_tui.config.sign_values import argument_problem, sign_value
-from woz_tui.drivers.contract import Verb
+from woz_tui.drivers.contract import Offer
 from woz_tui.features.profiles.section import PROFILES
 from woz_tui.sensing.filters import least
 from woz_tui.sensing.state_machine import EDGES, OUTCOMES, Event, State
@@ -318,8 +319,11 @@ def test_a_profile_may_allow_the_models_verbs(tmp_path: Path) -> None:
 def test_a_verb_of_a_driver_with_the_same_name_is_warned_of(tmp_path: Path) -> None:
     class Rival(Voice):
         @classmethod
-        def verbs(cls, settings: VoiceSettings) -> tuple[Verb, ...]:
-            return (*super().verbs(settings), engagement_verbs()[0])
+        def offer(cls, settings: VoiceSettings) -> Offer:
+            return replace(
+                super().offer(settings),
+                verbs=(*super().offer(settings).verbs, engagement_verbs()[0]),
+            )
 
     text = panel(HELLO, head=f"{ROBOT}engagement: {{signs: [gaze], gaze: {{sensor: joint.pan}}}}\n")
     (tmp_path / "e.yaml").write_text(text)

@@ -48,7 +48,7 @@ def test_every_key_of_an_example_arrives_on_every_terminal(
 def test_the_demo_shows_every_verb_of_the_simulated_robot() -> None:
     demo = load(ROOT / "experiments" / "demo.yaml", installed())
     used = set[str]().union(*map(verbs_of, actions_of(demo)))
-    offered = {verb.name for spec in demo.drivers for verb in spec.verbs}
+    offered = {verb.name for spec in demo.drivers for verb in spec.offer.verbs}
     assert offered - used == set()
     assert 25 <= len(actions_of(demo)) <= 60
     assert len(demo.panels) in (5, 6)

@@ -12,7 +12,7 @@ from tests.config.catalogue import CATALOGUE, Bare, NoSettings
 from tests.config.reading import panel
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
-from woz_tui.drivers.contract import Driver, Verb
+from woz_tui.drivers.contract import Driver, Offer
 from woz_tui.drivers.robot_verbs import common_verb
 
 
@@ -22,12 +22,11 @@ class Eye(Bare):
     Settings = NoSettings
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return (common_verb("say"), common_verb("face_consent"), common_verb("learn_face"))
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return ("presence", "gaze", "distance", "identity", "speech", "speech.text")
+    def offer(cls, settings: Any) -> Offer:
+        return Offer(
+            verbs=(common_verb("say"), common_verb("face_consent"), common_verb("learn_face")),
+            sensors=("presence", "gaze", "distance", "identity", "speech", "speech.text"),
+        )
 
 
 CATALOGUE_WITH_EYE: Mapping[str, type[Driver]] = {**CATALOGUE, "eye": Eye}

@@ -17,7 +17,7 @@ from tests.config.golden import BROKEN
 from tests.config.reading import HEAD, ROBOT, panel
 from tools.driver_settings import bundled
 from woz_tui.config.json_schema import experiment_schema, robot_schema
-from woz_tui.drivers.contract import Verb
+from woz_tui.drivers.contract import Offer, Verb
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "experiments").glob("*.yaml"))
@@ -139,8 +139,10 @@ def test_verbs_that_a_switch_brings_are_known_to_editors() -> None:
         Settings: ClassVar[type] = HeadSettings
 
         @classmethod
-        def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-            return (Verb("let_go", "let go"),) if settings.torque else (Verb("hold", "hold"),)
+        def offer(cls, settings: Any) -> Offer:
+            return Offer(
+                verbs=(Verb("let_go", "let go"),) if settings.torque else (Verb("hold", "hold"),)
+            )
 
     found = experiment_schema({"switched": Switched})["$defs"]["step"]["properties"]
     assert {"let_go", "hold"} <= set(found)

@@ -43,7 +43,7 @@ def test_settings_become_the_drivers_own_dataclass(everything: Experiment) -> No
     head, voice = everything.drivers
     assert head.settings.joints == {"pan": Joint(1), "tilt": Joint(2, -20.0, 30.0)}
     assert head.settings.rate == 50.0
-    assert head.sensors == ("joint.pan", "joint.tilt")
+    assert head.offer.sensors == ("joint.pan", "joint.tilt")
     settings = voice.settings
     assert settings.words == ("No", "12:30", "1e3")
     assert (settings.pause, settings.colour, settings.mode) == (0.25, Colour.BLUE, "loud")

@@ -67,7 +67,7 @@ class ServoRig:
 
     def ordered(self, verb: str, args: Mapping[str, Json]) -> BusJob:
         """A command as the bus hands it over. Raises `ArgumentError`."""
-        verbs = {known.name: known for known in self.driver.verbs(self.driver.settings)}
+        verbs = {known.name: known for known in self.driver.offer(self.driver.settings).verbs}
         return BusJob(verb, checked(verbs[verb], args) if verb in verbs else args)
 
     def begin(self, verb: str, **args: Json) -> asyncio.Task[Mapping[str, Json]]:

@@ -209,8 +209,10 @@ async def test_a_joint_is_told_in_the_degrees_of_its_body(tmp_path: Path) -> Non
 async def test_only_torque_and_reboot_are_left_to_ask_for(tmp_path: Path) -> None:
     async with connected_servos(tmp_path, follows="body") as rig:
         settings = rig.driver.settings
-        assert [verb.name for verb in rig.driver.verbs(settings)] == ["torque", "reboot"]
-        assert not [name for name in rig.driver.sensors(settings) if name.startswith("setpoint")]
+        assert [verb.name for verb in rig.driver.offer(settings).verbs] == ["torque", "reboot"]
+        assert not [
+            name for name in rig.driver.offer(settings).sensors if name.startswith("setpoint")
+        ]
         with pytest.raises(RejectedError, match="follow 'body'"):
             await rig.driver.perform(BusJob("pose", {"joints": {"pan": 3.0}, "seconds": 1.0}))
         await rig.published.until(lambda: bool(rig.published.values("joint.pan")))

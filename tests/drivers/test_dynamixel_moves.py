@@ -285,7 +285,7 @@ async def test_readings_come_at_a_tenth_of_a_second(tmp_path: Path) -> None:
         assert rig.published.values("voltage.pan")[0] == pytest.approx(5.0)
         assert rig.published.values("temperature.tilt")[0] == 32.0
         for sensor in ("joint.pan", "load.roll"):
-            assert sensor in type(rig.driver).sensors(rig.driver.settings)
+            assert sensor in type(rig.driver).offer(rig.driver.settings).sensors
 
 
 async def test_protocol_1_moves_and_never_writes_a_goal_while_limp(tmp_path: Path) -> None:

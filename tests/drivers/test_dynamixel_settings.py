@@ -95,14 +95,14 @@ def test_problems_have_a_path_and_a_reason(changes: dict[str, Any], path: str, t
 
 def test_verbs_fit_the_settings() -> None:
     def names(settings: ServoSettings) -> set[str]:
-        return {verb.name for verb in DynamixelServos.verbs(settings)}
+        return {verb.name for verb in DynamixelServos.offer(settings).verbs}
 
     always = {"pose", "poses", "home", "torque"}
     assert names(GOOD) == {*always, "reboot"}
     assert names(replace(GOOD, protocol=1)) == always
     full = replace(GOOD, pan="pan", poses={"up": {"tilt": 1.0}})
     assert names(full) == {*always, "reboot", "play", "gaze", "nudge"}
-    for verb in DynamixelServos.verbs(full):
+    for verb in DynamixelServos.offer(full).verbs:
         assert all(argument.kind in KINDS for argument in verb.arguments)
         assert verb.stream is (verb.name == "gaze")
 
@@ -131,7 +131,7 @@ def test_play_scales_time_and_way_from_home() -> None:
 
 
 def test_sensors_name_every_joint() -> None:
-    sensors = DynamixelServos.sensors(GOOD)
+    sensors = DynamixelServos.offer(GOOD).sensors
     assert len(sensors) == len(set(sensors)) == 5 * len(HEAD)
     assert {"joint.pan", "setpoint.roll", "temperature.tilt"} <= set(sensors)
 

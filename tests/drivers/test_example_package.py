@@ -28,7 +28,7 @@ assert lamp.__module__ == "woz_driver_lamp.lamp"
 experiment = load(Path(sys.argv[1]), catalogue)
 print(sys.modules[lamp.__module__].__file__)
 print(experiment.drivers[0].settings.brightness)
-print(*(verb.name for verb in experiment.drivers[0].verbs))
+print(*(verb.name for verb in experiment.drivers[0].offer.verbs))
 print(*(action.label for panel in experiment.panels for action in panel.actions))
 """
 

@@ -335,5 +335,5 @@ async def test_the_doctor_names_a_face_that_says_nothing(
 
 def test_its_type_is_a_driver(tmp_path: Path) -> None:
     face: type[Driver] = LedFace
-    assert [verb.name for verb in face.verbs(LedFaceSettings("x"))] == ["pattern"]
-    assert face.sensors(None) == ()
+    assert [verb.name for verb in face.offer(LedFaceSettings("x")).verbs] == ["pattern"]
+    assert face.offer(None).sensors == ()

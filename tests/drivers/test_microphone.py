@@ -262,10 +262,14 @@ async def test_sound_faster_than_real_time_is_slowed_down(begin: Begin) -> None:
 
 async def test_it_knows_no_other_verb(begin: Begin, pipe: PipedCommand) -> None:
     microphone, _ = await begin(pipe.command)
-    assert [verb.name for verb in Microphone.verbs(None)] == ["listen_room"]
+    assert [verb.name for verb in Microphone.offer(MicrophoneSettings()).verbs] == ["listen_room"]
     deaf, hears = MicrophoneSettings(), MicrophoneSettings(transcribe="whisper {file}")
-    assert Microphone.sensors(deaf) == ("loudness", "loudness.threshold", "speech")
-    assert Microphone.sensors(hears) == (*Microphone.sensors(deaf), "speech.text", "transcriber")
+    assert Microphone.offer(deaf).sensors == ("loudness", "loudness.threshold", "speech")
+    assert Microphone.offer(hears).sensors == (
+        *Microphone.offer(deaf).sensors,
+        "speech.text",
+        "transcriber",
+    )
     with pytest.raises(RejectedError):
         await microphone.perform(BusJob("say", {"text": "x"}))
     await microphone.stop(Scope.ALL)

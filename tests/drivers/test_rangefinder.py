@@ -140,7 +140,7 @@ async def test_the_floor_is_published_as_itself(begin: Begin, sensor: PluggedSen
 async def test_it_has_no_verbs(tmp_path: Path, sensor: PluggedSensor) -> None:
     published = PublishedMessages(tmp_path)
     driver = Rangefinder("it", RangefinderSettings(port=str(sensor.port)), published.context)
-    assert Rangefinder.verbs(None) == ()
+    assert Rangefinder.offer(None).verbs == ()
     with pytest.raises(RejectedError):
         await driver.perform(BusJob("say"))
     await driver.stop(Scope.ALL)

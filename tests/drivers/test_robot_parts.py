@@ -15,6 +15,7 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Job,
+    Offer,
     RejectedError,
     Scope,
     StopReport,
@@ -73,11 +74,16 @@ class Light(RobotPart[LampLink, LampSettings]):
         self._level = settings.brightness
 
     @classmethod
-    def verbs(cls, settings: LampSettings) -> tuple[Verb, ...]:
-        return (
-            Verb(
-                "brightness", "how bright it is", (BRIGHTNESS.taken(required=True),), lane="light"
-            ),
+    def offer(cls, settings: LampSettings) -> Offer:
+        return Offer(
+            verbs=(
+                Verb(
+                    "brightness",
+                    "how bright it is",
+                    (BRIGHTNESS.taken(required=True),),
+                    lane="light",
+                ),
+            )
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -103,8 +109,8 @@ class Turntable(RobotPart[LampLink, LampSettings]):
     name = "motion"
 
     @classmethod
-    def verbs(cls, settings: LampSettings) -> tuple[Verb, ...]:
-        return (common_verb("play", choices=("circle",)),)
+    def offer(cls, settings: LampSettings) -> Offer:
+        return Offer(verbs=(common_verb("play", choices=("circle",)),))
 
     async def halt(self) -> Sequence[asyncio.Future[Any]]:
         return (asyncio.ensure_future(self._link.stands.wait()),)
@@ -144,8 +150,8 @@ def robot(context: RecordingContext) -> LampRobot:
 
 
 def test_what_it_offers_comes_from_its_parts_and_rows() -> None:
-    assert [verb.name for verb in LampRobot.verbs(LampSettings())] == ["brightness", "play"]
-    outline = RobotOutline.read(LampRobot.outline(LampSettings()))
+    assert [verb.name for verb in LampRobot.offer(LampSettings()).verbs] == ["brightness", "play"]
+    outline = RobotOutline.read(LampRobot.offer(LampSettings()).outline)
     assert outline is not None and outline.moves == ["circle"] and not outline.camera
     [line] = outline.settings
     assert (line.verb, line.argument, line.high, line.help) == (

@@ -51,7 +51,7 @@ def test_every_kind_of_setting_can_stand_in_a_file(tmp_path: Path) -> None:
         modes=("calm", "lively"),
         faults=(ScheduledFault("disconnect", after=60.0, seconds=5.0),),
     )
-    assert "joint.neck" in robot.sensors
+    assert "joint.neck" in robot.offer.sensors
 
 
 @pytest.mark.parametrize(

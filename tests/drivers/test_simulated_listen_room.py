@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.microphone.driver import Microphone
+from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.simulated import SimulatedSettings
 from woz_drivers.simulated.senses import ROOM_NOISE, ROOM_SPREAD, THRESHOLD
 from woz_drivers.simulated.verbs import offered
@@ -44,7 +45,9 @@ def number(sent: Json) -> float:
 
 
 def test_it_is_the_microphones_verb() -> None:
-    assert [verb for verb in offered(VISITED) if verb.lane == "listen"] == [*Microphone.verbs(None)]
+    assert [verb for verb in offered(VISITED) if verb.lane == "listen"] == [
+        *Microphone.offer(MicrophoneSettings()).verbs
+    ]
     assert room_threshold.NAME not in {verb.name for verb in offered(SimulatedSettings())}
     assert room_threshold.NAME in {
         verb.name for verb in offered(SimulatedSettings(visitor=True, voice_only=True))

@@ -263,7 +263,7 @@ async def test_readings_come_fast_while_it_moves_and_slowly_while_it_stands(robo
     robot.begin("pose", joints={"pan": 60}, seconds=4.0)
     await robot.pace.advance(4.0)
     assert 39 <= len(robot.context.of("joint.pan")) <= 41
-    assert set(SimulatedRobot.sensors(SimulatedSettings())) == {
+    assert set(SimulatedRobot.offer(SimulatedSettings()).sensors) == {
         r.sensor for r in robot.context.readings
     }
 
@@ -281,10 +281,12 @@ def test_a_head_joint_that_is_not_there_is_a_problem_of_the_file() -> None:
 
 def test_a_robot_without_a_head_offers_no_gaze() -> None:
     legs = SimulatedSettings(joints={"knee": SimulatedJoint()})
-    verbs = {verb.name for verb in SimulatedRobot.verbs(legs)}
+    verbs = {verb.name for verb in SimulatedRobot.offer(legs).verbs}
     assert "pose" in verbs
     assert not {"gaze", "nudge", "hip"} & verbs
-    assert "pose" not in {verb.name for verb in SimulatedRobot.verbs(SimulatedSettings(joints={}))}
+    assert "pose" not in {
+        verb.name for verb in SimulatedRobot.offer(SimulatedSettings(joints={})).verbs
+    }
 
 
 async def visits(tmp_path: Path, speech: Callable[[Rig], Awaitable[Any]]) -> list[Any]:
@@ -323,18 +325,22 @@ async def test_time_lapse_runs_everything_faster(tmp_path: Path) -> None:
 
 def test_a_voice_alone_leaves_the_body_to_another_driver() -> None:
     settings = SimulatedSettings(voice_only=True)
-    assert [verb.name for verb in SimulatedRobot.verbs(settings)] == ["say", "sound", "volume"]
-    assert SimulatedRobot.sensors(settings) == ()
+    assert [verb.name for verb in SimulatedRobot.offer(settings).verbs] == [
+        "say",
+        "sound",
+        "volume",
+    ]
+    assert SimulatedRobot.offer(settings).sensors == ()
 
 
 async def test_every_verb_that_it_offers_is_carried_out_by_something(robot: Rig) -> None:
     """`fault` is no act of the robot but one against it."""
-    offered = {verb.name for verb in SimulatedRobot.verbs(robot.robot.settings)}
+    offered = {verb.name for verb in SimulatedRobot.offer(robot.robot.settings).verbs}
     assert offered - {"fault"} <= set(robot.robot._performers), "name it in the table of `__init__`"
 
 
 async def test_a_console_draws_its_body_and_the_face_that_it_shows(robot: Rig) -> None:
-    outlines = outlines_of({"robot": SimulatedRobot.outline(SimulatedSettings())})
+    outlines = outlines_of({"robot": SimulatedRobot.offer(SimulatedSettings()).outline})
     (body,) = body_outlines(outlines)
     assert [*body.home] == ["hip", "pan", "tilt"]
     look = body.chain.ray({"pan": 90.0, "tilt": 30.0})[1]  # to its left, and down
@@ -348,4 +354,4 @@ async def test_a_console_draws_its_body_and_the_face_that_it_shows(robot: Rig) -
 
 
 def test_a_voice_alone_has_no_body() -> None:
-    assert SimulatedRobot.outline(SimulatedSettings(voice_only=True)) == {}
+    assert SimulatedRobot.offer(SimulatedSettings(voice_only=True)).outline == {}

@@ -163,7 +163,7 @@ def test_a_voice_that_is_told_no_volume_offers_none(tmp_path: Path) -> None:
         SpeechSettings(speak=f"spd-say {more}") for more in ("-i {volume}", "-w")
     )
     offers = [
-        {verb.name for verb in Speech.verbs(speech_settings)}
+        {verb.name for verb in Speech.offer(speech_settings).verbs}
         for speech_settings in (speech_settings, untold)
     ]
     assert offers == [{"say", "volume"}, {"say"}]
@@ -305,7 +305,9 @@ async def test_a_player_may_set_the_volume_itself(rig: SpeechRig) -> None:
 async def test_a_program_that_speaks_by_itself(rig: SpeechRig) -> None:
     speak = rig.command("speak", "--volume", "{volume}")
     driver = await rig.open(speak=speak, synthesise="", play="")
-    assert [verb.name for verb in Speech.verbs(rig.settings(speak=speak, synthesise="", play=""))]
+    assert [
+        verb.name for verb in Speech.offer(rig.settings(speak=speak, synthesise="", play="")).verbs
+    ]
     job = say("-x Hello there")
     sent = await driver.perform(job)
     assert sent == {"text": "-x Hello there", "source": sys.executable, "volume": 1.0}

@@ -204,8 +204,8 @@ def test_the_programs_by_default() -> None:
     settings = SpeechSettings(device="plughw:1,0")
     assert " ".join(settings.play_words()) == "aplay -q -D {device} {wav}"
     assert settings.synthesise_words()[0] == "espeak-ng"
-    assert [verb.name for verb in Speech.verbs(settings)] == ["say", "sound", "volume"]
-    assert Speech.sensors(settings) == ("prepared",)
+    assert [verb.name for verb in Speech.offer(settings).verbs] == ["say", "sound", "volume"]
+    assert Speech.offer(settings).sensors == ("prepared",)
 
 
 async def test_examine_tries_a_word_and_looks_at_every_recording(rig: SpeechRig) -> None:

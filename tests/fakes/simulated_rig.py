@@ -30,7 +30,7 @@ class Rig:
         return asyncio.create_task(self.perform(PlainJob(verb, args)))
 
     async def perform(self, job: PlainJob) -> Mapping[str, Json]:
-        verbs = {verb.name: verb for verb in self.robot.verbs(self.robot.settings)}
+        verbs = {verb.name: verb for verb in self.robot.offer(self.robot.settings).verbs}
         if job.verb in verbs:  # as the bus does
             try:
                 job.args = checked(verbs[job.verb], job.args)

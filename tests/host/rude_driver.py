@@ -15,7 +15,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from woz_tui.drivers.contract import Argument, DriverContext, Health, Job, PassiveDriver, Verb
+from woz_tui.drivers.contract import (
+    Argument,
+    DriverContext,
+    Health,
+    Job,
+    Offer,
+    PassiveDriver,
+    Verb,
+)
 from woz_tui.drivers.fields import Doc
 from woz_tui.protocol.messages import Json
 
@@ -52,8 +60,10 @@ class Rude(PassiveDriver):
             sys.exit(7)
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return (Verb("say", "", (Argument("text", "text", required=True),), lane="voice"),)
+    def offer(cls, settings: Any) -> Offer:
+        return Offer(
+            verbs=(Verb("say", "", (Argument("text", "text", required=True),), lane="voice"),)
+        )
 
     async def open(self) -> None:
         self.context.health(Health.CONNECTED, "rude")

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from tests.host.rig import Peer, served_session
-from tests.session.rig import ScriptedDriver
 from woz_tui.config.experiment import SessionSettings
+from woz_tui.drivers.contract import Offer
+from woz_tui.drivers.fields import Range
 from woz_tui.host.experiment_view import ExperimentView, joint_limits
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.messages import Json
 from woz_tui.system.session_sockets import SessionSocketError, bind
 
 
@@ -371,24 +371,11 @@ async def test_the_welcome_tells_the_variables_values(tmp_path: Path) -> None:
 async def test_two_robots_joints_of_one_name_keep_their_limits_apart(tmp_path: Path) -> None:
     async with served_session(tmp_path) as host:
         session = host.session
-        pan = replace(session.experiment.drivers[0], sensors=("joint.pan",))
+        pan = replace(
+            session.experiment.drivers[0],
+            offer=Offer(sensors=("joint.pan",), joints={"pan": Range(-90, 60, "degrees")}),
+        )
         drivers = [replace(pan, name=f"{robot}.head") for robot in ("left", "right")]
         session.experiment = replace(session.experiment, drivers=tuple(drivers))
         span = (-90.0, 60.0)
         assert joint_limits(ExperimentView.of(session)) == {"left.pan": span, "right.pan": span}
-
-
-class FailingOutlineDriver(ScriptedDriver):
-    """A stranger's driver whose outline fails."""
-
-    @classmethod
-    def outline(cls, settings: object) -> dict[str, Json]:
-        raise KeyError("shape")
-
-
-async def test_an_outline_that_fails_keeps_nobody_from_attaching(tmp_path: Path) -> None:
-    async with served_session(tmp_path) as host:
-        host.session.catalogue = {"puppet": FailingOutlineDriver}
-        peer = await host.connect()
-        welcome = await peer.hello()
-        assert welcome["settings"]["outlines"] == {}

@@ -24,7 +24,7 @@ TEXT = "one two three."
 def simulated(folder: Path) -> Experiment:
     made, settings = experiment(folder), SimulatedSettings()
     place = made.panels[0].place
-    spec = DriverSpec("robot", "simulated", settings, SimulatedRobot.verbs(settings), (), place)
+    spec = DriverSpec("robot", "simulated", settings, SimulatedRobot.offer(settings), place)
     actions = (
         action("Greet", together(call("say", text=TEXT), call("play", move="nod"))),
         action(

@@ -14,7 +14,7 @@ from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.rig import HERE, ScriptedDriver, action, call, experiment, together
 from woz_tui.config.experiment import Experiment, Panel, Phase, SessionSettings
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.drivers.contract import Argument, Job, Verb
+from woz_tui.drivers.contract import Argument, Job, Offer, Verb
 from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.codec import decode_incoming
@@ -137,12 +137,15 @@ class LearningDriver(ScriptedDriver):
     """Learns faces."""
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+    def offer(cls, settings: Any) -> Offer:
         name = Argument("name", "text", required=True)
-        return (
-            *super().verbs(settings),
-            Verb("face_consent", "", (name,), lane="consent"),
-            Verb("learn_face", "", (name,), lane="eye"),
+        return replace(
+            super().offer(settings),
+            verbs=(
+                *super().offer(settings).verbs,
+                Verb("face_consent", "", (name,), lane="consent"),
+                Verb("learn_face", "", (name,), lane="eye"),
+            ),
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -155,7 +158,7 @@ def with_faces(folder: Path) -> Experiment:
     steps = together(call("face_consent", name="Anna")), together(call("learn_face", name="Anna"))
     made = experiment(folder)
     speech = Panel("Speech", (action("Anna agrees", *steps),), HERE)
-    spec = replace(made.drivers[0], verbs=LearningDriver.verbs(None))
+    spec = replace(made.drivers[0], offer=LearningDriver.offer(None))
     return replace(made, panels=(speech,), script=("Anna agrees",), drivers=(spec,))
 
 

@@ -37,7 +37,7 @@ def loaded(folder: Path, **files: str) -> Experiment:
 
 def test_an_action_can_play_a_move_of_the_folder(tmp_path: Path) -> None:
     experiment = loaded(tmp_path, wink=WINK)
-    play = next(verb for verb in experiment.drivers[0].verbs if verb.name == "play")
+    play = next(verb for verb in experiment.drivers[0].offer.verbs if verb.name == "play")
     assert {"wink", "nod", "demo"} <= set(play.arguments[0].choices)
 
 

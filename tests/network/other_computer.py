@@ -20,6 +20,7 @@ from woz_tui.drivers.contract import (
     Forecast,
     Health,
     Job,
+    Offer,
     RejectedError,
     Scope,
     StopReport,
@@ -67,17 +68,16 @@ class Arm(Driver):
         Arm.newest = self
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return (
-            Verb("lift", "lift", (Argument("kg", "number", default=1.0),), lane="body"),
-            Verb("wave", "wave", lane="hand", brief=True, arrives=True),
-            Verb("roll", "roll away", lane="base", drives=True),
-            Verb("show", "show a file", (Argument("file", "file"),), lane="screen"),
+    def offer(cls, settings: Any) -> Offer:
+        return Offer(
+            verbs=(
+                Verb("lift", "lift", (Argument("kg", "number", default=1.0),), lane="body"),
+                Verb("wave", "wave", lane="hand", brief=True, arrives=True),
+                Verb("roll", "roll away", lane="base", drives=True),
+                Verb("show", "show a file", (Argument("file", "file"),), lane="screen"),
+            ),
+            sensors=("load",),
         )
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return ("load",)
 
     async def open(self) -> None:
         self.context.health(Health.CONNECTED, "an arm")

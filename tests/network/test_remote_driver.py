@@ -38,6 +38,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     Forecast,
     Health,
+    Offer,
     RejectedError,
     Scope,
     StopReport,
@@ -70,9 +71,7 @@ class RemoteRobot(RemoteDriver):
     """The simulated robot at another computer, as the tests of the contract make drivers."""
 
     Settings = SimulatedRobot.Settings
-    verbs = staticmethod(SimulatedRobot.verbs)
-    sensors = staticmethod(SimulatedRobot.sensors)
-    joints = staticmethod(SimulatedRobot.joints)
+    offer = staticmethod(SimulatedRobot.offer)
     remarks = staticmethod(SimulatedRobot.remarks)
     port = 0
 
@@ -629,8 +628,10 @@ class LaterArm(Arm):
     """What a later version offers."""
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return (*super().verbs(settings), Verb("throw", "throw"))
+    def offer(cls, settings: Any) -> Offer:
+        return replace(
+            super().offer(settings), verbs=(*super().offer(settings).verbs, Verb("throw", "throw"))
+        )
 
 
 async def test_another_version_of_the_driver_is_refused(tmp_path: Path) -> None:

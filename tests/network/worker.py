@@ -17,6 +17,7 @@ from woz_tui.drivers.contract import (
     HandInput,
     Health,
     Job,
+    Offer,
     RejectedError,
     Scope,
     StopReport,
@@ -41,18 +42,19 @@ class Worker(Driver):
     summary = "a worker"
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return (
-            Verb("wave", "wave", lane="hand"),
-            Verb("lift", "lift", lane="body"),
-            Verb("write", "write a file", lane="files"),
-            Verb("break", "fail in a task that nobody waits for", lane="hand"),
-            Verb("block", "hold up the process", (Argument("seconds", "seconds"),), lane="body"),
+    def offer(cls, settings: Any) -> Offer:
+        return Offer(
+            verbs=(
+                Verb("wave", "wave", lane="hand"),
+                Verb("lift", "lift", lane="body"),
+                Verb("write", "write a file", lane="files"),
+                Verb("break", "fail in a task that nobody waits for", lane="hand"),
+                Verb(
+                    "block", "hold up the process", (Argument("seconds", "seconds"),), lane="body"
+                ),
+            ),
+            sensors=("lever",),
         )
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return ("lever",)
 
     def _note(self, what: str) -> None:
         with (self.context.folder / f"{self.name}.txt").open("a") as file:

@@ -97,7 +97,9 @@ class DaemonRig:
 
     async def do(self, verb: str, **args: Any) -> Mapping[str, Json]:
         """Carry out a verb to its end."""
-        [offered] = [one for one in self.driver.verbs(self.driver.settings) if one.name == verb]
+        [offered] = [
+            one for one in self.driver.offer(self.driver.settings).verbs if one.name == verb
+        ]
         defaults = {one.name: one.default for one in offered.arguments if one.default is not None}
         return await self.driver.perform(PlainJob(verb, {**defaults, **args}))
 

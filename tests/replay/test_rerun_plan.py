@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from tests.replay.rerun_rig import record_session, write_log
 from tests.replay.test_rerun import tour
 from tests.session.rig import ScriptedDriver, experiment
+from woz_tui.drivers.contract import Offer
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import messages as m
 from woz_tui.replay.rerun_plan import UNFIT, RerunPlan, fitted, plan_of, unfit_steps
@@ -266,10 +267,10 @@ def test_what_was_left_out_anyway_keeps_its_reason(tmp_path: Path) -> None:
 
 def test_a_missing_verb_and_a_wrong_argument_are_named(made: RerunPlan, tmp_path: Path) -> None:
     whole = experiment(tmp_path)
-    say, play, _ = ScriptedDriver.verbs(None)
+    say, play, _ = ScriptedDriver.offer(None).verbs
     now = replace(say, arguments=(replace(say.arguments[0], choices=("Hello P07",)),))
     for verbs, why in (((now,), "does not offer 'play'"), ((now, play), "must be one of Hello")):
-        robot = replace(whole.drivers[0], verbs=verbs)
+        robot = replace(whole.drivers[0], offer=Offer(verbs=verbs))
         reasons = [
             step.skip for step in unfit_steps(fitted(made, replace(whole, drivers=(robot,))))
         ]

@@ -20,7 +20,7 @@ from tests.session.rig import (
 )
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.experiment import Action, DriverSpec, Engagement, Experiment, Panel
-from woz_tui.drivers.contract import Argument, Driver, DriverError, Job, Verb
+from woz_tui.drivers.contract import Argument, Driver, DriverError, Job, Offer, Verb
 from woz_tui.drivers.fields import Range
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
@@ -43,29 +43,29 @@ class GuideDriver(ScriptedDriver):
     broken = ""
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+    def offer(cls, settings: Any) -> Offer:
         angle = Range(-60, 60, "degrees")
-        return (
-            Verb("say", "", (Argument("text", "text", required=True),), lane="voice"),
-            Verb("eyes", "", (Argument("color", "text", required=True),), lane="face"),
-            Verb("screen", "", (Argument("file", "file", required=True),), lane="screen"),
-            Verb("sound", "", (Argument("file", "file", required=True),), lane="sound"),
-            Verb("play", "", (Argument("move", "text"),), lane="body"),
-            Verb(
-                "gaze",
-                "",
-                (
-                    Argument("yaw", "number", range=angle),
-                    Argument("pitch", "number", range=angle),
+        return replace(
+            super().offer(settings),
+            verbs=(
+                Verb("say", "", (Argument("text", "text", required=True),), lane="voice"),
+                Verb("eyes", "", (Argument("color", "text", required=True),), lane="face"),
+                Verb("screen", "", (Argument("file", "file", required=True),), lane="screen"),
+                Verb("sound", "", (Argument("file", "file", required=True),), lane="sound"),
+                Verb("play", "", (Argument("move", "text"),), lane="body"),
+                Verb(
+                    "gaze",
+                    "",
+                    (
+                        Argument("yaw", "number", range=angle),
+                        Argument("pitch", "number", range=angle),
+                    ),
+                    lane="head",
+                    stream=True,
                 ),
-                lane="head",
-                stream=True,
             ),
+            sensors=SENSORS,
         )
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return SENSORS
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         self.calls.append((job.verb, dict(job.args)))
@@ -84,7 +84,7 @@ def guided(
 ) -> Experiment:
     """An experiment with the section `engagement`, and keys for its verbs."""
     bare = experiment(tmp_path)
-    robot = DriverSpec("robot", "guide", NoSettings(), GuideDriver.verbs(None), SENSORS, HERE)
+    robot = DriverSpec("robot", "guide", NoSettings(), GuideDriver.offer(None), HERE)
     panel = Panel(
         "Model",
         (

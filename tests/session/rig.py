@@ -29,6 +29,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     Health,
     Job,
+    Offer,
     Scope,
     Verb,
 )
@@ -64,24 +65,17 @@ class ScriptedDriver(Driver):
         self.calls: list[tuple[str, dict[str, Json]]] = []
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return (
-            Verb("say", "", (Argument("text", "text", required=True),), lane="voice"),
-            Verb("play", "", (Argument("move", "text"),), lane="body"),
-            Verb("drive", "", (Argument("x", "number"),), lane="base", drives=True),
+    def offer(cls, settings: Any) -> Offer:
+        return Offer(
+            verbs=(
+                Verb("say", "", (Argument("text", "text", required=True),), lane="voice"),
+                Verb("play", "", (Argument("move", "text"),), lane="body"),
+                Verb("drive", "", (Argument("x", "number"),), lane="base", drives=True),
+            ),
+            lacks={"talk": "it has no mouth", "woz listen": "it has no ears"},
+            joints={"pan": Range(-90, 60, "degrees"), "wheel": Range()},
+            sensors=("distance",),
         )
-
-    @classmethod
-    def lacks(cls, settings: Any) -> Mapping[str, str]:
-        return {"talk": "it has no mouth", "woz listen": "it has no ears"}
-
-    @classmethod
-    def joints(cls, settings: Any) -> Mapping[str, Range]:
-        return {"pan": Range(-90, 60, "degrees"), "wheel": Range()}
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return ("distance",)
 
     async def open(self) -> None:
         if self.name == "broken":
@@ -138,9 +132,7 @@ def experiment(tmp_path: Path, drivers: tuple[str, ...] = ("robot",)) -> Experim
         path=tmp_path / "made.yaml",
         sha256="0" * 64,
         drivers=tuple(
-            DriverSpec(
-                name, "puppet", NoSettings(), ScriptedDriver.verbs(None), ("distance",), HERE
-            )
+            DriverSpec(name, "puppet", NoSettings(), ScriptedDriver.offer(None), HERE)
             for name in drivers
         ),
         panels=(Panel("Speech", speech, HERE), Panel("Base", base, HERE, locked=False)),

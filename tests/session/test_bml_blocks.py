@@ -44,7 +44,7 @@ Scene = Callable[[SessionRig], Awaitable[None]]
 def scene(tmp_path: Path, play: Scene, actions: Sequence[Action] = ACTIONS) -> SessionRig:
     """A session whose speeches, moves and looks take a second each."""
     made = experiment(tmp_path)
-    spec = replace(made.drivers[0], verbs=LaneDriver.verbs(None))
+    spec = replace(made.drivers[0], offer=LaneDriver.offer(None))
     panels = (Panel("All", tuple(actions), spec.place),)
     made = replace(made, drivers=(spec,), panels=panels, blocks={"greet.xml": GREET})
     return SessionRig(tmp_path, catalogue={"puppet": LaneDriver}, made=made).run(play, 20)

@@ -14,7 +14,7 @@ import pytest
 from tests.fakes.virtual_time import LoopClock
 from tests.session.rig import HERE, NoSettings, ScriptedDriver, SessionRig, experiment
 from woz_tui.config.experiment import DriverSpec
-from woz_tui.drivers.contract import Ask, Health, PassiveDriver, Scope
+from woz_tui.drivers.contract import Ask, Health, Offer, PassiveDriver, Scope
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import FaceShown
@@ -297,7 +297,7 @@ def test_what_neither_moves_nor_sounds_need_not_confirm_a_stop(tmp_path: Path) -
         from_a_thread(rig, Ask("release", source="midi"), outcome)
 
     made = experiment(tmp_path)
-    sonar = DriverSpec("sonar", "sonar", NoSettings(), (), (), HERE)
+    sonar = DriverSpec("sonar", "sonar", NoSettings(), Offer(), HERE)
     catalogue = {"puppet": ScriptedDriver, "sonar": UnpluggedSonar}
     made = replace(made, drivers=(*made.drivers, sonar))
     rig = SessionRig(tmp_path, catalogue=catalogue, made=made).run(scenario, 1)

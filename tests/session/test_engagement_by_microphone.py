@@ -20,7 +20,7 @@ from tests.session.engagement_rig import WIZARD, GuideDriver
 from tests.session.rig import SessionRig
 from woz_tui.cli.engagement_log import rerun
 from woz_tui.config.loading import load
-from woz_tui.drivers.contract import Driver, DriverContext, Job
+from woz_tui.drivers.contract import Driver, DriverContext, Job, Offer
 from woz_tui.log import log_reader
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -59,8 +59,8 @@ class MicrophoneHostDriver(GuideDriver):
         self.said = asyncio.Event()
 
     @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return ()
+    def offer(cls, settings: Any) -> Offer:
+        return replace(super().offer(settings), sensors=())
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         self.calls.append((job.verb, dict(job.args)))

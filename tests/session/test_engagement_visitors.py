@@ -14,7 +14,7 @@ import pytest
 
 from tests.session.engagement_rig import PLAIN, EngagementRig, GuideDriver, guided, in_room
 from woz_tui.config.engagement import HandshakeSettings
-from woz_tui.drivers.contract import Argument, Job, Verb
+from woz_tui.drivers.contract import Argument, Job, Offer, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.visitor_store import VisitorStore
@@ -153,13 +153,16 @@ class ConsentingFaceDriver(GuideDriver):
     """Learns the faces of people who consented."""
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+    def offer(cls, settings: Any) -> Offer:
         name = Argument("name", "text", required=True)
         argument = Argument("given", "flag", default=True)
-        return (
-            *super().verbs(settings),
-            Verb("face_consent", "", (name, argument), lane="consent"),
-            Verb("learn_face", "", (name,), lane="identity"),
+        return replace(
+            super().offer(settings),
+            verbs=(
+                *super().offer(settings).verbs,
+                Verb("face_consent", "", (name, argument), lane="consent"),
+                Verb("learn_face", "", (name,), lane="identity"),
+            ),
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -173,7 +176,7 @@ def test_a_face_is_learnt_after_a_consent_that_is_in_the_log(tmp_path: Path, ans
     question = "May I remember your face, {name}?"
     settings = replace(ASKING, handshake=replace(ASKING.handshake, face_consent=question))
     experiment = guided(tmp_path, settings)
-    spec = replace(experiment.drivers[0], verbs=ConsentingFaceDriver.verbs(None))
+    spec = replace(experiment.drivers[0], offer=ConsentingFaceDriver.offer(None))
 
     async def scenario(rig: EngagementRig) -> None:
         await answers(rig, 1, "My name is Bruno")
@@ -203,15 +206,21 @@ class FaceLearningDriver(GuideDriver):
     """Learns a face whoever asks for it, as a Pepper does."""
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+    def offer(cls, settings: Any) -> Offer:
         name = Argument("name", "text", required=True)
-        return (*super().verbs(settings), Verb("learn_face", "", (name,), lane="identity"))
+        return replace(
+            super().offer(settings),
+            verbs=(
+                *super().offer(settings).verbs,
+                Verb("learn_face", "", (name,), lane="identity"),
+            ),
+        )
 
 
 def test_a_name_that_the_wizard_gives_is_no_consent(tmp_path: Path) -> None:
     settings = replace(ASKING, handshake=replace(ASKING.handshake, face_consent="Your face?"))
     experiment = guided(tmp_path, settings)
-    spec = replace(experiment.drivers[0], verbs=FaceLearningDriver.verbs(None))
+    spec = replace(experiment.drivers[0], offer=FaceLearningDriver.offer(None))
 
     async def scenario(rig: EngagementRig) -> None:
         await answers(rig, 1, "My name is Bruno")
@@ -235,7 +244,7 @@ def test_the_name_counts_where_the_time_ends_with_the_question_for_the_face(
 ) -> None:
     handshake = replace(ASKING.handshake, seconds=10.0, silence=8.0, face_consent="Your face?")
     experiment = guided(tmp_path, replace(ASKING, handshake=handshake))
-    spec = replace(experiment.drivers[0], verbs=FaceLearningDriver.verbs(None))
+    spec = replace(experiment.drivers[0], offer=FaceLearningDriver.offer(None))
 
     async def scenario(rig: EngagementRig) -> None:
         await answers(rig, 1, "My name is Bruno")

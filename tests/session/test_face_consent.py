@@ -22,7 +22,7 @@ from tests.session.engagement_rig import (
 from tests.session.rig import HERE, action, call, together
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.experiment import Action, DriverSpec, Panel
-from woz_tui.drivers.contract import Argument, Ask, Job, Verb
+from woz_tui.drivers.contract import Argument, Ask, Job, Offer, Verb
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -38,13 +38,16 @@ class Learner(GuideDriver):
     """Learns a face in a second, and forgets it, as a Pepper does."""
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+    def offer(cls, settings: Any) -> Offer:
         name = Argument("name", "text", required=True)
         argument = Argument("given", "flag", default=True)
-        return (
-            *super().verbs(settings),
-            Verb("face_consent", "", (name, argument), lane="consent"),
-            Verb("learn_face", "", (name,), lane="eye"),
+        return replace(
+            super().offer(settings),
+            verbs=(
+                *super().offer(settings).verbs,
+                Verb("face_consent", "", (name, argument), lane="consent"),
+                Verb("learn_face", "", (name,), lane="eye"),
+            ),
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -77,7 +80,7 @@ def played(
     on_enter: Mapping[str, Action] | None = None,
 ) -> EngagementRig:
     experiment = guided(tmp_path, settings, on_enter)
-    spec: DriverSpec = replace(experiment.drivers[0], verbs=Learner.verbs(None))
+    spec: DriverSpec = replace(experiment.drivers[0], offer=Learner.offer(None))
     panels = (*experiment.panels, Panel("Faces", _keys(), HERE))
     return in_room(
         tmp_path, scenario, replace(experiment, drivers=(spec,), panels=panels), kind=Learner

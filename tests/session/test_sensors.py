@@ -5,11 +5,12 @@ from pathlib import Path
 from tests.session.rig import HERE, NoSettings, SessionRig
 from woz_tui.config.experiment import DriverSpec
 from woz_tui.config.sensor_names import published_names
+from woz_tui.drivers.contract import Offer
 from woz_tui.protocol import messages as m
 
 
 def spec(name: str, *sensors: str) -> DriverSpec:
-    return DriverSpec(name, "puppet", NoSettings(), (), sensors, HERE)
+    return DriverSpec(name, "puppet", NoSettings(), Offer(sensors=sensors), HERE)
 
 
 def test_a_name_that_one_driver_has_stays_as_it_is() -> None:

@@ -11,7 +11,7 @@ import pytest
 from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
 from woz_tui.config import utterance_template
 from woz_tui.config.file_position import FilePosition, Problem
-from woz_tui.drivers.contract import DeviceLostError, Finding, Job, Scope
+from woz_tui.drivers.contract import DeviceLostError, Finding, Job, Offer, Scope
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
@@ -247,7 +247,7 @@ def test_the_preflight_tells_what_is_odd_in_the_file(tmp_path: Path) -> None:
 
 def test_the_preflight_says_in_words_what_sensors_say_in_numbers(tmp_path: Path) -> None:
     made = experiment(tmp_path)
-    spec = replace(made.drivers[0], sensors=("presence", "gaze", "loudness"))
+    spec = replace(made.drivers[0], offer=Offer(sensors=("presence", "gaze", "loudness")))
     said: dict[str, str] = {}
 
     async def scenario(rig: SessionRig) -> None:
@@ -263,7 +263,8 @@ def test_the_preflight_says_in_words_what_sensors_say_in_numbers(tmp_path: Path)
 def test_the_preflight_knows_seldom_sensors_and_those_of_events(tmp_path: Path) -> None:
     made = experiment(tmp_path)
     spec = replace(
-        made.drivers[0], sensors=("distance", "battery", "mood", "prepared", "direction")
+        made.drivers[0],
+        offer=Offer(sensors=("distance", "battery", "mood", "prepared", "direction")),
     )
 
     findings: dict[str, Finding] = {}

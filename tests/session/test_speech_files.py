@@ -34,8 +34,7 @@ def experiment(folder: Path, command: tuple[str, ...]) -> Experiment:
         "ears",
         "microphone",
         settings,
-        Microphone.verbs(settings),
-        Microphone.sensors(settings),
+        Microphone.offer(settings),
         HERE,
     )
     return Experiment("Listening", folder / "made.yaml", "0" * 64, (ears,), ())

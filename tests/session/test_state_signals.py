@@ -17,7 +17,7 @@ from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_words import STATES
 from woz_tui.config.experiment import DriverSpec, Engagement, Experiment
 from woz_tui.drivers.bundled_media import FOLDER, located
-from woz_tui.drivers.contract import Argument, Verb
+from woz_tui.drivers.contract import Argument, Offer, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.session.state_signals import (
@@ -38,7 +38,8 @@ def make_experiment(
     tmp_path: Path, robots: Mapping[str, tuple[Verb, ...]], engagement: Engagement | None = None
 ) -> Experiment:
     drivers = tuple(
-        DriverSpec(name, "t", NoSettings(), verbs, (), HERE) for name, verbs in robots.items()
+        DriverSpec(name, "t", NoSettings(), Offer(verbs=verbs), HERE)
+        for name, verbs in robots.items()
     )
     return replace(experiment(tmp_path), drivers=drivers, engagement=engagement or Engagement())
 

@@ -12,7 +12,7 @@ import pytest
 
 from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Action, Panel, Wait
-from woz_tui.drivers.contract import Argument, Job, Verb
+from woz_tui.drivers.contract import Argument, Job, Offer, Verb
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -28,14 +28,17 @@ class LaneDriver(ScriptedDriver):
     """Speaks, moves, looks and feels: each in a lane of its own, a second each time."""
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+    def offer(cls, settings: Any) -> Offer:
         text = (Argument("text", "text", required=True),)
-        return (
-            Verb("say", "", text, lane="voice"),
-            Verb("play", "", (Argument("move", "text"),), lane="body"),
-            Verb("gaze", "", (Argument("yaw", "number"),), lane="head", stream=True),
-            Verb("nudge", "", (Argument("yaw", "number"),), lane="head", brief=True),
-            Verb("emotion", "", (Argument("emotion", "text"),), lane="face"),
+        return replace(
+            super().offer(settings),
+            verbs=(
+                Verb("say", "", text, lane="voice"),
+                Verb("play", "", (Argument("move", "text"),), lane="body"),
+                Verb("gaze", "", (Argument("yaw", "number"),), lane="head", stream=True),
+                Verb("nudge", "", (Argument("yaw", "number"),), lane="head", brief=True),
+                Verb("emotion", "", (Argument("emotion", "text"),), lane="face"),
+            ),
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -75,7 +78,7 @@ def scene(
     actions: tuple[Action, ...] = ACTIONS,
 ) -> SessionRig:
     made = experiment(tmp_path)
-    spec = replace(made.drivers[0], verbs=LaneDriver.verbs(None))
+    spec = replace(made.drivers[0], offer=LaneDriver.offer(None))
     made = replace(made, drivers=(spec,), panels=(Panel("All", actions, spec.place),))
     return SessionRig(tmp_path, catalogue={"puppet": LaneDriver}, made=made).run(play, 20)
 

@@ -34,7 +34,7 @@ TALK = panel("{key: h, label: Hello, say: Hello!}  # first", '{key: "1", label: 
 
 def typed_in(experiment: Experiment, texts: Sequence[str]) -> tuple[Action, ...]:
     """As a session makes buttons of them."""
-    driver = next(d.name for d in experiment.drivers if any(v.name == "say" for v in d.verbs))
+    driver = next(d.name for d in experiment.drivers if any(v.name == "say" for v in d.offer.verbs))
     typed: tuple[Action, ...] = ()
     for text in texts:
         typed = with_sentence(with_typed(experiment, typed), typed, text, driver)

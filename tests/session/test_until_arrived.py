@@ -10,7 +10,7 @@ from typing import Any
 
 from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Panel
-from woz_tui.drivers.contract import Argument, Job, Verb
+from woz_tui.drivers.contract import Argument, Job, Offer, Verb
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -22,11 +22,14 @@ class SlowGazeDriver(ScriptedDriver):
     """Takes a gaze at once and is there after two seconds; beyond 90 never, below 0 it fails."""
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+    def offer(cls, settings: Any) -> Offer:
         yaw = (Argument("yaw", "number"),)
-        return (
-            Verb("gaze", "", yaw, lane="head", stream=True, arrives=True),
-            Verb("say", "", (Argument("text", "text"),), lane="voice", evidence="reported"),
+        return replace(
+            super().offer(settings),
+            verbs=(
+                Verb("gaze", "", yaw, lane="head", stream=True, arrives=True),
+                Verb("say", "", (Argument("text", "text"),), lane="voice", evidence="reported"),
+            ),
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -67,7 +70,7 @@ def play_steps(tmp_path: Path, *steps: str) -> SessionRig:
             await asyncio.sleep(1.0)
 
     made = experiment(tmp_path)
-    spec = replace(made.drivers[0], verbs=SlowGazeDriver.verbs(None))
+    spec = replace(made.drivers[0], offer=SlowGazeDriver.offer(None))
     made = replace(made, drivers=(spec,), panels=(Panel("P", ACTIONS, made.panels[0].place),))
     made = replace(made, script=())
     return SessionRig(tmp_path, catalogue={"puppet": SlowGazeDriver}, made=made).run(scenario, 10)

@@ -10,7 +10,15 @@ from typing import Any
 from tests.session.engagement_rig import WIZARD, EngagementRig, GuideDriver, guided, in_room
 from tests.session.rig import action, call, together
 from woz_tui.config.experiment import DriverSpec
-from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, Argument, DriverError, Job, Verb
+from woz_tui.drivers.contract import (
+    FACE_CONSENT,
+    LEARN_FACE,
+    Argument,
+    DriverError,
+    Job,
+    Offer,
+    Verb,
+)
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 
@@ -19,12 +27,15 @@ class FaceLearningDriver(GuideDriver):
     """A guide that learns faces, unless nobody shows one."""
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+    def offer(cls, settings: Any) -> Offer:
         name = Argument("name", "text", required=True)
-        return (
-            *GuideDriver.verbs(settings),
-            Verb(FACE_CONSENT, "", (name,), lane="consent"),
-            Verb(LEARN_FACE, "", (name,), lane="eye"),
+        return replace(
+            super().offer(settings),
+            verbs=(
+                *super().offer(settings).verbs,
+                Verb(FACE_CONSENT, "", (name,), lane="consent"),
+                Verb(LEARN_FACE, "", (name,), lane="eye"),
+            ),
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -49,7 +60,7 @@ def introduced(
             rig.tell("visitor", code=name)
 
     experiment = guided(tmp_path)
-    spec: DriverSpec = replace(experiment.drivers[0], verbs=kind.verbs(None))
+    spec: DriverSpec = replace(experiment.drivers[0], offer=kind.offer(None))
     return in_room(tmp_path, scenario, replace(experiment, drivers=(spec,)), kind=kind, linger=2)
 
 

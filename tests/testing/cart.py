@@ -17,9 +17,9 @@ from woz_tui.drivers.contract import (
     DriverFacts,
     Health,
     Job,
+    Offer,
     RejectedError,
     Scope,
-    Verb,
 )
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
@@ -123,12 +123,8 @@ class CartDriver(Driver):
         self.closed = False
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return (common_verb("drive"),)
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return ("distance",)
+    def offer(cls, settings: Any) -> Offer:
+        return Offer(verbs=(common_verb("drive"),), sensors=("distance",))
 
     async def open(self) -> None:
         self.context.health(Health.CONNECTING)

@@ -19,6 +19,7 @@ from woz_tui.drivers.contract import (
     Finding,
     Health,
     Job,
+    Offer,
     Probe,
     RejectedError,
     Scope,
@@ -46,8 +47,8 @@ class Right(Driver):
     closed = False
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return cls.offered
+    def offer(cls, settings: Any) -> Offer:
+        return Offer(verbs=cls.offered)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         if self.closed:
@@ -209,8 +210,8 @@ class Restless(Right):
         asyncio.get_running_loop().call_later(0.05, self.context.reading, "warmth", 1.0)
 
     @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return ("warmth",)
+    def offer(cls, settings: Any) -> Offer:
+        return Offer(sensors=("warmth",))
 
 
 class Careful(Right):

@@ -19,9 +19,9 @@ SAY = Verb("say", "", (Argument("text", "text", required=True),), limit_s=20.0)
 def test_it_offers_what_the_class_offers() -> None:
     made = rehearsal_of(ScriptedDriver)
     told: Any = made
-    assert made.verbs(NoSettings()) == ScriptedDriver.verbs(NoSettings())
-    assert told.joints(NoSettings()) == ScriptedDriver.joints(NoSettings())
-    assert made.sensors(NoSettings()) == ()
+    assert made.offer(NoSettings()).verbs == ScriptedDriver.offer(NoSettings()).verbs
+    assert told.offer(NoSettings()).joints == ScriptedDriver.offer(NoSettings()).joints
+    assert made.offer(NoSettings()).sensors == ()
     assert made.Settings is ScriptedDriver.Settings
 
 
@@ -46,7 +46,7 @@ def test_a_stop_is_confirmed_as_it_will_be() -> None:
 async def test_nothing_moves_in_a_rehearsal_so_nobody_can_know(tmp_path: Path) -> None:
     kind = rehearsed(installed())["simulated"]
     settings = kind.Settings()
-    assert {verb.name: verb.evidence for verb in kind.verbs(settings)}["pose"] == "measured"
+    assert {verb.name: verb.evidence for verb in kind.offer(settings).verbs}["pose"] == "measured"
     job = PlainJob("volume", {"level": 0.5})
     await kind("robot", settings, RecordingContext(tmp_path)).perform(job)
     assert job.evidences == ["timed"]

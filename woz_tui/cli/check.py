@@ -160,10 +160,10 @@ def _check_robot(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) ->
 
 
 def _offered(spec: DriverSpec) -> Iterator[str]:
-    if spec.verbs:
-        yield ", ".join([verb.name for verb in spec.verbs])
-    if spec.sensors:
-        yield f"senses {', '.join(spec.sensors)}"
+    if spec.offer.verbs:
+        yield ", ".join([verb.name for verb in spec.offer.verbs])
+    if spec.offer.sensors:
+        yield f"senses {', '.join(spec.offer.sensors)}"
 
 
 def _print_errors(problems: list[Problem], arguments: Namespace) -> None:
@@ -237,7 +237,7 @@ def _part_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
         {
             verb.name
             for spec in experiment.drivers
-            for verb in spec.verbs
+            for verb in spec.offer.verbs
             if verb.drives and not covers_verb(covered, verb.name, spec.name)
         }
     )
@@ -259,9 +259,9 @@ def _print_robot_and_study(console: TextConsole, experiment: Experiment) -> None
 
 def _print_drivers(console: TextConsole, drivers: Iterable[DriverSpec]) -> None:
     for spec in drivers:
-        rows = verb_rows(spec.verbs)
-        if spec.sensors:
-            sensors = Text(", ".join(spec.sensors), style="dim")
+        rows = verb_rows(spec.offer.verbs)
+        if spec.offer.sensors:
+            sensors = Text(", ".join(spec.offer.sensors), style="dim")
             rows.append((Text("(senses)", style="dim"), sensors))
         _print_section(console, f"{spec.name} ({spec.kind})", rows)
 
@@ -368,7 +368,7 @@ def action_text(action: Action, main_names: Mapping[str, str]) -> str:
 
 def main_arguments(experiment: Experiment) -> dict[str, str]:
     """The main argument of each verb by the verb's name."""
-    verbs = [verb for spec in experiment.drivers for verb in spec.verbs]
+    verbs = [verb for spec in experiment.drivers for verb in spec.offer.verbs]
     verbs += [*session_verbs(), *(engagement_verbs() if experiment.engagement else ())]
     return {verb.name: verb.arguments[0].name for verb in verbs if verb.arguments}
 
@@ -458,8 +458,8 @@ def _drivers(drivers: Iterable[DriverSpec]) -> list[Json]:
             "name": spec.name,
             "type": spec.type,
             "at": spec.at.name if spec.at is not None else "",
-            "verbs": [*map(_verb, spec.verbs)],
-            "sensors": list(spec.sensors),
+            "verbs": [*map(_verb, spec.offer.verbs)],
+            "sensors": list(spec.offer.sensors),
         }
         for spec in drivers
     ]
@@ -605,7 +605,7 @@ def _actions(experiment: Experiment, sign: str) -> list[str]:
 
 
 def _speech(experiment: Experiment, settings: EngagementSettings) -> str:
-    speech_drivers = [spec.name for spec in experiment.drivers if SPEECH in spec.sensors]
+    speech_drivers = [spec.name for spec in experiment.drivers if SPEECH in spec.offer.sensors]
     if speech_drivers:
         return f"cut by {' and '.join(speech_drivers)}"
     publishers = _sensors(experiment, settings.sound.sensor)

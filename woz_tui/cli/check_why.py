@@ -83,7 +83,7 @@ def _questions(
             ],
         )
     for spec in experiment.drivers:
-        if key in {verb.name for verb in spec.verbs}:
+        if key in {verb.name for verb in spec.offer.verbs}:
             yield (
                 f"{key} by itself, on {spec.name}",
                 [(each, SendVerb(key, {}, spec.name, _origin(each))) for each in moments],

@@ -86,7 +86,7 @@ class DemoVoice:
 
     def __init__(self, speech: Driver, audible: frozenset[str] = frozenset()) -> None:
         self._speech = speech
-        self._verbs = {verb.name: verb for verb in speech.verbs(speech.settings)}
+        self._verbs = {verb.name: verb for verb in speech.offer(speech.settings).verbs}
         self._audible = audible
         self._asked: dict[str, m.Command] = {}
         self._heard: dict[str, asyncio.Task[None]] = {}

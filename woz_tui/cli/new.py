@@ -274,7 +274,7 @@ def _abilities(robot: str, folder: Path, catalogue: Mapping[str, type[Driver]]) 
     Raises `ExperimentError` if there is no such robot, or if it cannot speak.
     """
     experiment = _trial(robot, folder, catalogue, ["say: a"])
-    sensors = {name for spec in experiment.drivers for name in spec.sensors}
+    sensors = {name for spec in experiment.drivers for name in spec.offer.sensors}
     moves = sorted({line.move for line in _every_line() if line.move})
     plays = [f"play: {move}" for move in moves]
     try:

@@ -148,7 +148,7 @@ class RenderTarget:
     @property
     def verbs(self) -> tuple[str, ...]:
         """What the body can be asked for."""
-        return tuple(verb.name for verb in self.spec.verbs)
+        return tuple(verb.name for verb in self.spec.offer.verbs)
 
     @property
     def limits(self) -> dict[str, tuple[float, float]]:
@@ -197,13 +197,13 @@ class RenderTarget:
             steps = [*self._steps(action, tell)]
         else:
             raise self._unknown(name)
-        awaited = frozenset(v.name for v in self.spec.verbs if not v.stream) - BRIEF
+        awaited = frozenset(v.name for v in self.spec.offer.verbs if not v.stream) - BRIEF
         return RenderScript(steps, inputs, awaited), seconds
 
     @property
     def playable(self) -> tuple[str, ...]:
         """Everything that `play` takes."""
-        for verb in self.spec.verbs:
+        for verb in self.spec.offer.verbs:
             if verb.name == "play":
                 return verb.arguments[0].choices
         return ()

@@ -240,7 +240,7 @@ def _bundled_plan(origin: ExperimentOrigin, catalogue: Catalogue) -> SessionPlan
 
 def _plan(experiment: Experiment, catalogue: Catalogue) -> SessionPlan:
     """The plan that the experiment shows."""
-    return plan_of(ExperimentView(experiment, catalogue, values=dict(experiment.variables)))
+    return plan_of(ExperimentView(experiment, values=dict(experiment.variables)))
 
 
 def _console(feed: ReplayFeed, theme: str) -> ReplayConsole:

@@ -199,7 +199,7 @@ def _streams(rerun: _Rerun) -> frozenset[tuple[str, str]]:
     return frozenset(
         (spec.name, verb.name)
         for spec in rerun.experiment.drivers
-        for verb in spec.verbs
+        for verb in spec.offer.verbs
         if verb.stream
     )
 

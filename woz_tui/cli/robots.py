@@ -8,7 +8,6 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from rich.table import Table
 from rich.text import Text
@@ -25,7 +24,7 @@ from woz_tui.config.problems import hint
 from woz_tui.config.settings_table import settings_rows
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
-from woz_tui.drivers.contract import SHOWN, Driver, DriverFacts, PassiveDriver, Verb
+from woz_tui.drivers.contract import SHOWN, Driver, DriverFacts, Offer, PassiveDriver
 from woz_tui.drivers.robot_verbs import COMMON_VERBS
 from woz_tui.protocol.action_messages import EVIDENCE
 from woz_tui.protocol.messages import Json
@@ -76,15 +75,14 @@ class RobotDescription:
 
     kind: str
     driver: type[Driver]
-    verbs: tuple[Verb, ...]
-    sensors: tuple[str, ...]
+    offer: Offer
     files: tuple[str, ...] = ()
     sample: bool = False
 
     @property
     def declared(self) -> bool:
         """Whether robot files say what it offers, each something else."""
-        return bool(self.files and not self.verbs and not self.sensors)
+        return bool(self.files and not self.offer.verbs and not self.offer.sensors)
 
     @property
     def facts(self) -> DriverFacts:
@@ -99,15 +97,15 @@ class RobotDescription:
 
     def facts_shown(self) -> Iterator[tuple[str, str]]:
         """Word and sentence of each thing to be told."""
-        names = [verb.name for verb in self.verbs]
+        names = [verb.name for verb in self.offer.verbs]
         common = [name for name in COMMON_VERBS if name in names]
         own = [name for name in dict.fromkeys(names) if name not in COMMON_VERBS]
         nothing = "those of its robot file" if self.declared else "none"
         yield "verbs", ", ".join(common) or ("" if own else nothing)
         yield "own verbs", ", ".join(own)
         for kind in reversed(EVIDENCE):
-            yield kind, ", ".join(verb.name for verb in self.verbs if verb.evidence == kind)
-        yield "sensors", ", ".join(self.sensors) or nothing
+            yield kind, ", ".join(verb.name for verb in self.offer.verbs if verb.evidence == kind)
+        yield "sensors", ", ".join(self.offer.sensors) or nothing
         passive = issubclass(self.driver, PassiveDriver)
         yield "stop", self.facts.stop or ("nothing to stop" if passive else "not said")
         yield "tested", self.tested
@@ -121,9 +119,9 @@ class RobotDescription:
         return {
             "summary": self.driver.summary,
             "robot": self.facts.robot,
-            "verbs": [verb.name for verb in self.verbs],
-            "evidence": {verb.name: verb.evidence for verb in self.verbs},
-            "sensors": [*self.sensors],
+            "verbs": [verb.name for verb in self.offer.verbs],
+            "evidence": {verb.name: verb.evidence for verb in self.offer.verbs},
+            "sensors": [*self.offer.sensors],
             "stop": self.facts.stop,
             "passive": issubclass(self.driver, PassiveDriver),
             "shown": [*self.facts.shown],
@@ -166,30 +164,23 @@ def _described(
     """Raises whatever the driver's code raises with made-up settings."""
     files = tuple(used)
     with contextlib.suppress(Exception):  # it needs settings; which, only its own code knows
-        found = RobotDescription(name, driver, *_offers(driver, driver.Settings()), files)
+        found = RobotDescription(name, driver, driver.offer(driver.Settings()), files)
         if not found.declared:
             return [found]
-        own = [
-            RobotDescription(file, driver, spec.verbs, spec.sensors, (file,))
-            for file, spec in used.items()
-        ]
+        own = [RobotDescription(file, driver, spec.offer, (file,)) for file, spec in used.items()]
         return [found, *own]
     if used:
         first = next(iter(used.values()))
-        return [RobotDescription(name, driver, first.verbs, first.sensors, files)]
-    offers = _offers(driver, sample_settings(driver.Settings))
-    return [RobotDescription(name, driver, *offers, files, sample=True)]
-
-
-def _offers(driver: type[Driver], settings: Any) -> tuple[tuple[Verb, ...], tuple[str, ...]]:
-    return tuple(driver.verbs(settings)), tuple(driver.sensors(settings))
+        return [RobotDescription(name, driver, first.offer, files)]
+    offered = driver.offer(sample_settings(driver.Settings))
+    return [RobotDescription(name, driver, offered, files, sample=True)]
 
 
 def markdown(catalogue: Mapping[str, type[Driver]]) -> str:
     """The whole robots as tables of Markdown: who offers which common verb, and the rest."""
     every = descriptions(catalogue, None).values()
     found = [each for each in every if each.facts.robot and not each.declared]
-    offered = [{verb.name: verb.evidence for verb in each.verbs} for each in found]
+    offered = [{verb.name: verb.evidence for verb in each.offer.verbs} for each in found]
     verbs = [
         (f"`{verb}`", *(known.get(verb, "-") or "yes" for known in offered))
         for verb in COMMON_VERBS
@@ -263,10 +254,10 @@ def _print_one(console: TextConsole, each: RobotDescription) -> None:
             )
         )
         console.print()
-    if each.verbs:
+    if each.offer.verbs:
         examples = " with sample settings" if each.sample else ""
         console.print(Text(f"verbs{examples}", style="bold"))
-        console.print(_columns(verb_rows(each.verbs)))
+        console.print(_columns(verb_rows(each.offer.verbs)))
 
 
 def _columns(rows: Iterable[tuple[str | Text, str | Text]]) -> Table:

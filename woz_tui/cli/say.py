@@ -118,7 +118,7 @@ def speakers(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> lis
         settings = settings_from_texts(
             kind.Settings, {name: value for name, _, value in pairs}, Path.cwd()
         )
-        verbs = kind.verbs(settings)
+        verbs = kind.offer(settings).verbs
         return [
             Speaker(LOUDSPEAKER, kind, settings, verb, Path.cwd())
             for verb in verbs
@@ -139,7 +139,7 @@ def speakers(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> lis
     return [
         Speaker(spec.name, catalogue[spec.type], spec.settings, verb, file.absolute().parent)
         for spec in drivers
-        for verb in spec.verbs
+        for verb in spec.offer.verbs
         if verb.name == SAY
     ]
 

@@ -130,7 +130,7 @@ def robot_calls(
     folder: Path,
     character: str = "",
     *,
-    offered: Callable[[DriverSpec], Iterable[Verb]] = lambda spec: spec.verbs,
+    offered: Callable[[DriverSpec], Iterable[Verb]] = lambda spec: spec.offer.verbs,
 ) -> BehaviourCalls:
     """What behaviours stand for on the robot `character`, or on the only one.
 

@@ -66,7 +66,7 @@ def _faces(experiment: Experiment, drafts: Sequence[ActionDraft]) -> None:
     needing = {
         (spec.name, verb.name): verb.arguments[0].name
         for spec in experiment.drivers
-        for verb in spec.verbs
+        for verb in spec.offer.verbs
         if verb.needs_consent and verb.arguments
     }
     for draft, call in calls:
@@ -92,9 +92,9 @@ def _parts(experiment: Experiment, report: ProblemReport) -> None:
     """
     parts = experiment.parts
     for spec in experiment.drivers:
-        if parts and spec.part and spec.part not in parts:
-            near = report.hint(spec.part, parts, or_list="parts are")
-            what = f"no panel is for the part {quoted(spec.part)}{near}"
+        if parts and spec.offer.part and spec.offer.part not in parts:
+            near = report.hint(spec.offer.part, parts, or_list="parts are")
+            what = f"no panel is for the part {quoted(spec.offer.part)}{near}"
             report.error(spec.place, f"drivers.{spec.name}.part", what)
     first: dict[str, Panel] = {}
     for index, panel in enumerate(experiment.panels):
@@ -142,7 +142,7 @@ def check_covers(
         f"{whose}.{verb.name}"
         for spec in experiment.drivers
         for whose in (spec.name, spec.name.partition(".")[0])
-        for verb in spec.verbs
+        for verb in spec.offer.verbs
     }
     for index, panel in enumerate(experiment.panels):
         for number, verb in enumerate(panel.covers):
@@ -194,7 +194,7 @@ def check_asks(
         return
     known = _Requestable(robots, own, actions, layout)
     for asking in robots.asking:
-        for path, ask in asking.asks:
+        for path, ask in asking.spec.offer.asks:
             offers = _offers(ask, asking, known) if ask.what == "verb" else ()
             if hidden_arguments(offers[0].verb if len(offers) == 1 else None, ask.args):
                 full, place, _ = _where(asking, path, report)
@@ -208,14 +208,14 @@ def _where(
     asking: DriverRequests, path: str, report: ProblemReport
 ) -> tuple[str, FilePosition, bool]:
     """The path and place of a setting, and whether it stands in a file: its own, or included."""
-    full = join(asking.path, path)
-    if report.has_place(full, asking.file):
-        return full, report.place(full, asking.file), "." in path
+    full, file = join(asking.path, path), asking.spec.place.file
+    if report.has_place(full, file):
+        return full, report.place(full, file), "." in path
     inner = path.partition(".")[2]
     for source in report.included:
         if inner and report.has_place(inner, source.name):
             return inner, report.place(inner, source.name), True
-    return full, report.place(full, asking.file), False
+    return full, report.place(full, file), False
 
 
 def _wrong(
@@ -257,7 +257,7 @@ def _offers(ask: Ask, asking: DriverRequests, known: _Requestable) -> Sequence[V
     if not ask.on and ask.name in known.own:
         return [known.own[ask.name]]
     offers = known.robots.offers.get(ask.name, [])
-    robot, dot, _ = asking.driver.rpartition(".")
+    robot, dot, _ = asking.spec.name.rpartition(".")
     on = f"{robot}{dot}{ask.on}" if ask.on else robot
     if not on:
         return offers

@@ -399,6 +399,6 @@ def _of_verb(verb: str, args: Mapping[str, Json]) -> Sequence[str]:
 def _signs_of_buttons(robots: Robots) -> Iterator[str]:
     """Signs that some driver's buttons give."""
     for asking in robots.asking:
-        for _, ask in asking.asks:
+        for _, ask in asking.spec.offer.asks:
             if ask.what == "verb":
                 yield from _of_verb(ask.name, ask.args)

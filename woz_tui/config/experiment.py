@@ -15,7 +15,7 @@ from woz_tui.bml.behaviour_calls import BmlTable
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.file_position import NOWHERE, FilePosition, Problem
 from woz_tui.config.study import Study
-from woz_tui.drivers.contract import Verb
+from woz_tui.drivers.contract import Offer
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, OneOrMore, Range, Seconds, Unique
 from woz_tui.network.listen_address import DRIVERS_LISTEN
 from woz_tui.protocol.messages import Json
@@ -41,19 +41,16 @@ OWN_PROCESS, SHARED_PROCESS = "own", "shared"
 class DriverSpec:
     """One driver of a robot: its name (`head`, or `left.head` with several robots), the entry
     point it comes from, its decoded settings, what it offers with them; `at`: its hardware is at
-    another computer; `part`: whose hands lie on it, where several wizards play; `process`: whether
-    it runs in one of its own (`OWN_PROCESS`), in that of the session (`SHARED_PROCESS`), or goes
-    with those that it works with (empty).
+    another computer; `process`: whether it runs in one of its own (`OWN_PROCESS`), in that of the
+    session (`SHARED_PROCESS`), or goes with those that it works with (empty).
     """
 
     name: str
     type: str
     settings: Any
-    verbs: tuple[Verb, ...]
-    sensors: tuple[str, ...]
+    offer: Offer
     place: FilePosition
     at: DriverPlace | None = None
-    part: str = ""
     process: str = ""
 
     @property

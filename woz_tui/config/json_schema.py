@@ -448,12 +448,12 @@ def _sample_verbs(driver: type[Driver]) -> Iterable[Verb]:
     along; may raise anything.
     """
     sample = sample_settings(driver.Settings)
-    offered = [*driver.verbs(sample)]
+    offered = [*driver.offer(sample).verbs]
     for item in fields_of(driver.Settings):
         if split_annotation(item.annotation)[0] is bool and item.default is False:
             # Not every switch goes with this sample; then it has nothing to say here.
             with contextlib.suppress(Exception):
-                offered += driver.verbs(dataclasses.replace(sample, **{item.attribute: True}))
+                offered += driver.offer(dataclasses.replace(sample, **{item.attribute: True})).verbs
     return [_opened(verb) for verb in offered]
 
 

@@ -177,7 +177,7 @@ class _ExperimentDecoder:
         steps = StepReader(vocabulary)
         panels = PanelReader(steps, file.keyboard)
         read = tuple(panels.read(panels_cursor)) if panels_cursor is not None else ()
-        offered = [verb for spec in robots.drivers for verb in spec.verbs]
+        offered = [verb for spec in robots.drivers for verb in spec.offer.verbs]
         verbs = [*offered, *(offer.verb for offer in vocabulary.own.values())]
         contents = FileContents(read, verbs, complete=not robots.incomplete)
         verb_names = {verb.name for verb in verbs} if contents.complete else None

@@ -28,7 +28,7 @@ from woz_tui.config.yaml_cursor import (
     read_text,
 )
 from woz_tui.config.yaml_nodes import MappingNode, parse_yaml
-from woz_tui.drivers.contract import Ask, Driver, Finding, Verb, Written
+from woz_tui.drivers.contract import Driver, Finding, Offer, Verb, Written
 from woz_tui.drivers.fields import Range, Sibling
 from woz_tui.drivers.plugins import Catalogue
 from woz_tui.network.listen_address import ListenAddress, is_access_name
@@ -68,12 +68,10 @@ class VerbOffer:
 
 @dataclass(frozen=True, slots=True)
 class DriverRequests:
-    """What a driver will ask for, each ask with the path of its setting below `path` in `file`."""
+    """A driver that will ask for something; the paths of its settings lie below `path`."""
 
-    driver: str
+    spec: DriverSpec
     path: str
-    file: str
-    asks: tuple[tuple[str, Ask], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,8 +90,6 @@ class Robots:
     drivers: list[DriverSpec] = field(default_factory=list)
     offers: dict[str, list[VerbOffer]] = field(default_factory=dict)
     asking: list[DriverRequests] = field(default_factory=list)
-    #: Verbs that drivers lack: why, or what to do, by driver.
-    lacking: dict[str, dict[str, str]] = field(default_factory=dict)
     #: Robot names, if there are several robots.
     names: list[str] = field(default_factory=list)
     bml_sections: list[BmlSection] = field(default_factory=list)
@@ -105,8 +101,8 @@ class Robots:
 
     def why_lacking(self, verb: str) -> str:
         """What drivers say of a verb that they lack; empty: nothing."""
-        why = self.lacking.get(verb, {})
-        return "; ".join(f"{driver}: {each}" for driver, each in why.items())
+        lacking = (spec for spec in self.drivers if verb in spec.offer.lacks)
+        return "; ".join(f"{spec.name}: {spec.offer.lacks[verb]}" for spec in lacking)
 
 
 class RobotReader:
@@ -342,34 +338,30 @@ class RobotReader:
             self._robots.incomplete = True
             return
         try:
+            offered = driver.offer(settings)
+            if not isinstance(offered, Offer):
+                raise TypeError(f"offer() gives {offered!r} and no Offer")
             spec = DriverSpec(
                 name=name,
                 type=kind,
                 settings=settings,
-                verbs=tuple(driver.verbs(settings)),
-                sensors=tuple(driver.sensors(settings)),
+                offer=offered,
                 place=cursor.place,
                 at=at,
-                part=driver.part(settings),
                 process=where,
             )
-            joints = driver.joints(settings)
-            asks = tuple(driver.asks(settings))
-            lacks = driver.lacks(settings)
         except Exception as error:  # noqa: BLE001 - a plug-in's code
             cursor.error(f"the driver {kind!r} fails with these settings: {error!r}")
             return
         self._robots.drivers.append(spec)
-        if asks:
-            self._robots.asking.append(DriverRequests(name, cursor.path, cursor.place.file, asks))
-        for verb_name, why in lacks.items():
-            self._robots.lacking.setdefault(verb_name, {})[name] = why
+        if spec.offer.asks:
+            self._robots.asking.append(DriverRequests(spec, cursor.path))
         look = functools.partial(driver.remarks, settings)
-        for verb in spec.verbs:
+        for verb in spec.offer.verbs:
             kind = verb.arguments[0].kind if verb.arguments else ""
             kind = "move" if verb.name == PLAY else "joints" if kind == "poses" else kind
             names = self._names.get(kind, {})
-            offer = VerbOffer(name, verb, joints, look, names)
+            offer = VerbOffer(name, verb, spec.offer.joints, look, names)
             self._robots.offers.setdefault(verb.name, []).append(offer)
 
 

@@ -19,12 +19,14 @@ def published_names(specs: Sequence[DriverSpec]) -> dict[str, dict[str, str]]:
     A name that only one driver has stays as it is. A shared one gets the robot's name in front
     (`left.distance`), or the driver's where one robot has two of them (`front.distance`).
     """
-    owners = Counter(sensor for spec in specs for sensor in set(spec.sensors))
-    in_robot = Counter((_robot(spec), sensor) for spec in specs for sensor in set(spec.sensors))
+    owners = Counter(sensor for spec in specs for sensor in set(spec.offer.sensors))
+    in_robot = Counter(
+        (_robot(spec), sensor) for spec in specs for sensor in set(spec.offer.sensors)
+    )
     return {
         spec.name: {
             sensor: _name(spec, sensor, owners[sensor], in_robot[_robot(spec), sensor])
-            for sensor in spec.sensors
+            for sensor in spec.offer.sensors
         }
         for spec in specs
     }

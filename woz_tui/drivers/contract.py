@@ -490,6 +490,34 @@ class Forecast:
     marks: tuple[tuple[float, str, str], ...] | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """What a driver offers with its settings, as `woz check` reads it before anything is opened.
+
+    Attributes:
+        verbs: What it can do.
+        sensors: Names of all readings and sensor states that it may publish.
+        lacks: Verbs that it does not have, though people may expect them of it: each with why, or
+            what to do. `woz check` says it where a file wants one.
+        joints: Its joints with their ranges in degrees; None if nobody knows them beforehand.
+            `woz check` finds poses outside of them, the console draws each between its limits.
+        asks: What its settings have it ask of the session (`DriverContext.ask`): pairs of a
+            setting's path and the request. `woz check` finds those that nobody could carry out.
+        part: The part of the panels (`for:` in an experiment) whose wizard's hands lie on it;
+            empty: everybody's.
+        outline: What a console needs to draw it and never changes; empty: nothing.
+            `docs/reference/protocol.md` has the keys.
+    """
+
+    verbs: tuple[Verb, ...] = ()
+    sensors: tuple[str, ...] = ()
+    lacks: Mapping[str, str] = field(default_factory=dict)
+    joints: Mapping[str, Range] | None = None
+    asks: tuple[tuple[str, Ask], ...] = ()
+    part: str = ""
+    outline: dict[str, Json] = field(default_factory=dict)
+
+
 class Performer(Protocol):
     """The part of a driver that the bus knows. Both run in the event loop, each call in a task of
     its own.
@@ -531,9 +559,9 @@ class Driver(Performer):
     """One piece of hardware, or several behind one wire. Only `Settings`, `summary`, `perform` and
     `stop` are needed: everything else has a harmless default.
 
-    Class methods say what it offers with its settings. They are called without an instance, when a
-    file is read: they depend on the settings alone and touch no hardware. The coroutines run in the
-    event loop of the robot process, which all drivers share: they must not block it.
+    `offer` and `remarks` are called without an instance, when a file is read: they depend on the
+    settings alone and touch no hardware. The coroutines run in the event loop of the robot process,
+    which all drivers share: they must not block it.
     """
 
     #: A frozen dataclass; its annotations (`drivers.fields`) are decoded from the robot file.
@@ -554,51 +582,9 @@ class Driver(Performer):
     # -- what it offers ----------------------------------------------------------------------------
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+    def offer(cls, settings: Any) -> Offer:
         """What it can do with these settings (a head of three joints offers three)."""
-        return ()
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """Names of all readings and sensor states that it may publish."""
-        return ()
-
-    @classmethod
-    def lacks(cls, settings: Any) -> Mapping[str, str]:
-        """Verbs that it does not have with these settings, though people may expect them of it:
-        each with why, or what to do. `woz check` says it where a file wants one.
-        """
-        return {}
-
-    @classmethod
-    def joints(cls, settings: Any) -> Mapping[str, Range] | None:
-        """Its joints with their ranges in degrees; None if nobody knows them beforehand.
-
-        `woz check` finds poses outside of them, the console draws each joint between its limits.
-        """
-        return None
-
-    @classmethod
-    def asks(cls, settings: Any) -> Iterable[tuple[str, Ask]]:
-        """What its settings have it ask of the session (`DriverContext.ask`): pairs of a setting's
-        path and the request. `woz check` finds those that nobody could carry out.
-        """
-        return ()
-
-    @classmethod
-    def part(cls, settings: Any) -> str:
-        """The part of the panels (`for:` in an experiment) whose wizard's hands lie on it; empty:
-        everybody's.
-        """
-        return ""
-
-    @classmethod
-    def outline(cls, settings: Any) -> dict[str, Json]:
-        """What a console needs to draw it and never changes; empty: nothing.
-
-        `docs/reference/protocol.md` has the keys.
-        """
-        return {}
+        return Offer()
 
     @classmethod
     def remarks(cls, settings: Any, written: Written) -> Iterable[Finding]:

@@ -7,6 +7,7 @@ import signal
 import threading
 from collections.abc import Iterator, Mapping
 from importlib.metadata import EntryPoint, entry_points
+from inspect import getattr_static
 from types import FrameType
 from typing import Any
 
@@ -17,6 +18,8 @@ GROUP = "woz_tui.drivers"
 OWN = "woz-tui"
 #: An import of others' code may take so long, in seconds: a large library on a small computer.
 IMPORT_S = 60.0
+#: What a driver said of itself in earlier versions, each in a class method of its own.
+_SAID_BEFORE = ("verbs", "sensors", "lacks", "joints", "asks", "part", "outline")
 #: The package that held the contract in earlier versions, and what the author of a driver from then
 #: has to do.
 _BEFORE = "woz_tui.core"
@@ -116,6 +119,12 @@ def _load(point: EntryPoint) -> type[Driver]:
     missing = sorted({"Settings", "summary"} - declared | loaded.__abstractmethods__)
     if missing:
         raise PluginError(f"{who} lacks {', '.join(missing)}; see drivers/README.md")
+    before = [n for n in _SAID_BEFORE if isinstance(getattr_static(loaded, n, None), classmethod)]
+    if before:
+        raise PluginError(
+            f"{who} was written for an earlier version: what its class method {before[0]} says is a"
+            f" field of the Offer that offer(settings) returns now; see drivers/README.md"
+        )
     if not dataclasses.is_dataclass(loaded.Settings):
         raise PluginError(f"{who} has Settings that are no dataclass; see drivers/README.md")
     return loaded

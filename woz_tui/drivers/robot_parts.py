@@ -28,10 +28,10 @@ from woz_tui.drivers.contract import (
     DriverError,
     Forecast,
     Job,
+    Offer,
     RejectedError,
     Scope,
     StopReport,
-    Verb,
 )
 from woz_tui.drivers.robot_settings import RobotSetting
 from woz_tui.protocol.messages import Json, SettingsShown
@@ -76,14 +76,9 @@ class RobotPart(Generic[L, S]):
         self._context = context
 
     @classmethod
-    def verbs(cls, settings: S) -> tuple[Verb, ...]:
-        """The verbs that it offers."""
-        return ()
-
-    @classmethod
-    def sensors(cls, settings: S) -> tuple[str, ...]:
-        """The sensors that it publishes."""
-        return ()
+    def offer(cls, settings: S) -> Offer:
+        """Its verbs, its sensors, its joints, what people may expect of it and it lacks."""
+        return Offer()
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
         """How one of its verbs would go; by itself nothing is known."""
@@ -143,32 +138,32 @@ class RobotOfParts(Driver, Generic[LinkT, S]):
         self._link = link
         self._parts = parts
         self._by_verb: Mapping[str, RobotPart[Any, S]] = {
-            verb.name: part for part in parts for verb in part.verbs(settings)
+            verb.name: part for part in parts for verb in part.offer(settings).verbs
         }
         self._stops = BackgroundTasks("a stop")
         self._shown: dict[str, Json] = {}
         self._closed = False
 
     @classmethod
-    def verbs(cls, settings: S) -> tuple[Verb, ...]:
-        """Those of its parts."""
-        return tuple(verb for part in cls.PARTS for verb in part.verbs(settings))
-
-    @classmethod
-    def sensors(cls, settings: S) -> tuple[str, ...]:
-        """Those of its parts."""
-        return tuple(sensor for part in cls.PARTS for sensor in part.sensors(settings))
-
-    @classmethod
-    def outline(cls, settings: S) -> dict[str, Json]:
-        """Settings that can be shown and changed, what `play` takes, whether it has a camera."""
-        verbs = {verb.name: verb for verb in cls.verbs(settings)}
+    def offer(cls, settings: S) -> Offer:
+        """What its parts offer, and for a console: settings that can be shown and changed, what
+        `play` takes, whether there is a camera.
+        """
+        offers = [part.offer(settings) for part in cls.PARTS]
+        verbs = {verb.name: verb for each in offers for verb in each.verbs}
         rows = (row for part in cls.PARTS for row in part.SETTINGS)
-        return RobotOutline(
-            settings=[row.line() for row in rows if not row.verb or row.verb in verbs],
-            moves=list(verbs["play"].arguments[0].choices) if "play" in verbs else [],
-            camera="picture" in verbs,
-        ).as_json()
+        return Offer(
+            verbs=tuple(verbs.values()),
+            sensors=tuple(sensor for each in offers for sensor in each.sensors),
+            lacks={verb: why for each in offers for verb, why in each.lacks.items()},
+            joints={name: span for each in offers for name, span in (each.joints or {}).items()}
+            or None,
+            outline=RobotOutline(
+                settings=[row.line() for row in rows if not row.verb or row.verb in verbs],
+                moves=list(verbs["play"].arguments[0].choices) if "play" in verbs else [],
+                camera="picture" in verbs,
+            ).as_json(),
+        )
 
     async def open(self) -> None:
         """Begin to look for the robot."""

@@ -20,7 +20,7 @@ from woz_tui.drivers.feeds import Feed
 SOUND, LISTENED = "sound", "sound.listened"
 #: Feeds of the driver that plays a voice: its sound, and whether it is played now.
 VOICE, VOICE_STATE = "voice.sound", "voice.state"
-#: Under these names `Driver.lacks` says why there is no live sound, or how to have it.
+#: Under these names `Offer.lacks` says why there is no live sound, or how to have it.
 LISTEN, TALK, END_TALK = "woz listen", "talk", "end_talk"
 TALK_UNWRITTEN = dict.fromkeys((TALK, END_TALK), "write `talk: {}` into its settings")
 NO_TALK = dict.fromkeys(

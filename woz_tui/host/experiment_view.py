@@ -11,7 +11,6 @@ import msgspec
 
 from woz_tui.config.experiment import Action, Experiment
 from woz_tui.config.sensor_names import published_names
-from woz_tui.drivers.contract import Driver
 from woz_tui.feature import pieces
 from woz_tui.host.feature_view import FeatureView
 from woz_tui.protocol import codec
@@ -82,8 +81,7 @@ def joint_limits(shown: ExperimentView) -> dict[str, tuple[float, float]]:
     limits: dict[str, tuple[float, float]] = {}
     published = published_names(shown.experiment.drivers)
     for spec in shown.experiment.drivers:
-        joints = shown.catalogue[spec.type].joints(spec.settings)
-        for name, span in (joints or {}).items():
+        for name, span in (spec.offer.joints or {}).items():
             if span.low is not None and span.high is not None:
                 sensor = published[spec.name].get(f"joint.{name}", name)
                 limits[sensor.replace("joint.", "", 1)] = float(span.low), float(span.high)
@@ -91,20 +89,13 @@ def joint_limits(shown: ExperimentView) -> dict[str, tuple[float, float]]:
 
 
 def driver_outlines(shown: ExperimentView) -> dict[str, Json]:
-    """What drivers look like, by name, as far as their classes tell: `outline(settings)`.
+    """What drivers look like, by name, as far as their classes tell.
 
     A body's outline has the `kind` body, its `joints` from the base up and its `face`; a control
     panel's has the `kind` panel and its `controls`.
     """
-    found: dict[str, Json] = {}
-    for spec in shown.experiment.drivers:
-        try:
-            outline = shown.catalogue[spec.type].outline(spec.settings)
-            if outline:
-                found[spec.name] = outline
-        except Exception:  # a stranger's code must not keep the wizard from attaching
-            log.exception("the outline of %s is left out", spec.name)
-    return found
+    drivers = shown.experiment.drivers
+    return {spec.name: {**spec.offer.outline} for spec in drivers if spec.offer.outline}
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +105,6 @@ class ExperimentView:
     """
 
     experiment: Experiment
-    catalogue: Mapping[str, type[Driver]]
     locked: Mapping[str, bool] = field(default_factory=dict)
     facts: Mapping[str, object] = field(default_factory=dict)
     values: Mapping[str, str] = field(default_factory=dict)
@@ -125,7 +115,6 @@ class ExperimentView:
         """As a session stands now."""
         return cls(
             session.experiment,
-            session.catalogue,
             session.locked,
             session.features.facts(),
             session.values(),
@@ -140,7 +129,7 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
         title=experiment.title,
         panels=panel_views(experiment, shown.locked, shown.facts),
         script=list(experiment.script),
-        verbs={spec.name: [verb.name for verb in spec.verbs] for spec in experiment.drivers},
+        verbs={spec.name: [verb.name for verb in spec.offer.verbs] for spec in experiment.drivers},
         variables=sorted(shown.values),
         conditions=list(experiment.conditions),
         keyboard=experiment.keyboard,
@@ -156,7 +145,7 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
             values=dict(shown.values),
             steps=asdict(experiment.steps),
             lanes={
-                spec.name: {verb.name: verb.lane for verb in spec.verbs}
+                spec.name: {verb.name: verb.lane for verb in spec.offer.verbs}
                 for spec in experiment.drivers
             },
             repairs=[action_view(action) for action in experiment.repairs],

@@ -98,9 +98,9 @@ class SoundService:
         offered = self._with(feed)
         if not offered:
             lacks = {
-                name: driver.lacks(driver.settings).get(lacking, "")
-                for name, driver in self._session.drivers.items()
-                if wanted in ("", name)
+                spec.name: spec.offer.lacks.get(lacking, "")
+                for spec in self._session.experiment.drivers
+                if wanted in ("", spec.name)
             }
             why = "; ".join(f"{name}: {each}" for name, each in lacks.items() if each)
             raise RequestError(f"no driver of this session has a {what}", why or _HOW_TO_ADD[feed])

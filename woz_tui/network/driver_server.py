@@ -122,7 +122,7 @@ class ServedDriver:
         self._beside_session = beside_session
         #: Clients whose hands it has felt.
         self._hands: set[str] = set()
-        self._verbs: dict[str, Verb] = {v.name: v for v in offer.driver.verbs(offer.settings)}
+        self._verbs: dict[str, Verb] = {v.name: v for v in offer.driver.offer(offer.settings).verbs}
         self._keys = to_key(place, offer.name), from_key(place, offer.name)
         self._instance = secrets.token_hex(8)
         self._line: DriverLine | None = None

@@ -77,6 +77,7 @@ def setting_hashes(settings: Any) -> dict[str, str]:
 
 def offer_hash(driver: type[Driver], settings: Any) -> str:
     """A hash of verbs and sensors: another version of a driver has another one."""
+    offered = driver.offer(settings)
     verbs = [
         (
             *(verb.name, verb.lane, verb.stream, verb.drives, verb.waits, verb.arrives),
@@ -86,9 +87,9 @@ def offer_hash(driver: type[Driver], settings: Any) -> str:
                 for each in verb.arguments
             ),
         )
-        for verb in driver.verbs(settings)
+        for verb in offered.verbs
     ]
-    return _hash(repr((verbs, tuple(driver.sensors(settings)))))
+    return _hash(repr((verbs, offered.sensors)))
 
 
 def _hash(text: str) -> str:
@@ -156,7 +157,7 @@ class RemoteDriver(Driver):
         self._router = router
         self._place = place
         self._served = name.rpartition(".")[2]
-        self._verbs = {verb.name for verb in local.verbs(settings)}
+        self._verbs = {verb.name for verb in local.offer(settings).verbs}
         self._has_controls = local.take_hand is not Driver.take_hand
         self._offer = offer_hash(local, settings)
         self._keys = to_key(place, self._served), from_key(place, self._served)

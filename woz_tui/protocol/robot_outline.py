@@ -1,6 +1,6 @@
 """What a driver of a whole robot tells of it, so that a console can show and change its settings.
 
-A driver class gives it as `outline(settings)`, made with `RobotOutline.as_json()`; the console
+It is the `outline` that a driver offers, made with `RobotOutline.as_json()`; the console
 reads it with `RobotOutline.read`. Values come as `messages.SettingsShown`.
 """
 
@@ -56,7 +56,7 @@ class RobotOutline(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True
     camera: bool = False
 
     def as_json(self) -> dict[str, Json]:
-        """As `outline(settings)` of a driver class returns it."""
+        """As the `outline` that a driver offers."""
         fields: dict[str, Json] = msgspec.to_builtins(self)
         return {"kind": "robot", **fields}
 

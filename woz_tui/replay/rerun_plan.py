@@ -251,7 +251,9 @@ UNFIT = "not possible now: "
 
 def fitted(plan: RerunPlan, experiment: Experiment) -> RerunPlan:
     """The plan for this experiment: what its robot does not offer is skipped, with the reason."""
-    offered = {spec.name: {verb.name: verb for verb in spec.verbs} for spec in experiment.drivers}
+    offered = {
+        spec.name: {verb.name: verb for verb in spec.offer.verbs} for spec in experiment.drivers
+    }
     offered[SESSION] = {verb.name: verb for verb in VERBS}
     return replace(plan, steps=tuple(_fitted(step, offered) for step in plan.steps))
 

@@ -49,7 +49,10 @@ def utterances(
     """
     found: dict[str, dict[str, Mapping[str, Json]]] = {}
     verbs = {
-        spec.name: verb for spec in experiment.drivers for verb in spec.verbs if verb.name == SAY
+        spec.name: verb
+        for spec in experiment.drivers
+        for verb in spec.offer.verbs
+        if verb.name == SAY
     }
     actions = [action for panel in experiment.panels for action in panel.actions]
     for action in (*actions, *experiment.repairs):

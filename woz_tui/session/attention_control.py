@@ -132,7 +132,7 @@ class AttentionController:
 def head_of(experiment: Experiment) -> tuple[DriverSpec, Verb] | None:
     """The first driver that can look into a direction."""
     for spec in experiment.drivers:
-        for verb in spec.verbs:
+        for verb in spec.offer.verbs:
             if verb.name == GAZE:
                 return spec, verb
     return None
@@ -143,7 +143,7 @@ def _direction_beside(experiment: Experiment, head: tuple[DriverSpec, Verb]) -> 
     robot = head[0].name.rpartition(".")[0]
     published = published_names(experiment.drivers)
     for spec in experiment.drivers:
-        if spec.name.rpartition(".")[0] == robot and DIRECTION in spec.sensors:
+        if spec.name.rpartition(".")[0] == robot and DIRECTION in spec.offer.sensors:
             return published[spec.name][DIRECTION]
     return ""
 

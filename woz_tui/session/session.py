@@ -180,7 +180,7 @@ class Session:
             self.hub,
             performers,
             {
-                **{spec.name: spec.verbs for spec in self.experiment.drivers},
+                **{spec.name: spec.offer.verbs for spec in self.experiment.drivers},
                 SESSION: VERBS,
                 BML: (BML_VERB,),
                 ENGAGEMENT: self.engagement.offered,
@@ -467,7 +467,7 @@ class Session:
         programs = (each for each in self.state.consoles.values() if each.role == "program")
         return {
             **{each.console: each.part for each in programs},
-            **{spec.name: spec.part for spec in self.experiment.drivers},
+            **{spec.name: spec.offer.part for spec in self.experiment.drivers},
         }
 
     def _old(self, ask: Ask) -> str:
@@ -827,7 +827,7 @@ class Session:
         before = {panel.title: panel.locked for panel in self.experiment.panels}
         self.experiment = experiment = with_typed(experiment, self.typed)
         for spec in experiment.drivers:
-            self.bus.offer(spec.name, spec.verbs)
+            self.bus.offer(spec.name, spec.offer.verbs)
         self.runner.deadline = experiment.session.deadline
         publish_reload(self.hub, experiment, changes, telling)
         self.study.adopt()

@@ -157,7 +157,9 @@ def _line(base: Experiment, action: Action) -> str:
     """`{key: "1", label: "One moment", say: "One moment, please."}`."""
     (call,) = action.calls
     speakers = [
-        spec.name for spec in base.drivers if any(verb.name == call.verb for verb in spec.verbs)
+        spec.name
+        for spec in base.drivers
+        if any(verb.name == call.verb for verb in spec.offer.verbs)
     ]
     parts = {
         "key": action.key,

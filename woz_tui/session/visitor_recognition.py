@@ -196,7 +196,7 @@ def _learn_faces(robot: EngagementRobot, change: Transition, *, asked: bool) -> 
 def drivers_with(robot: EngagementRobot, wanted: str) -> list[str]:
     """The drivers that offer this verb."""
     drivers = robot.experiment().drivers
-    return [spec.name for spec in drivers if any(verb.name == wanted for verb in spec.verbs)]
+    return [spec.name for spec in drivers if any(verb.name == wanted for verb in spec.offer.verbs)]
 
 
 def _learn_face(robot: EngagementRobot, driver: str, name: str) -> None:
@@ -356,11 +356,11 @@ class VisitorRecognition:
 
     def _voice(self) -> str:
         drivers = self._robot.experiment().drivers
-        speaking = (spec.name for spec in drivers for verb in spec.verbs if verb.name == _SAY)
+        speaking = (spec.name for spec in drivers for verb in spec.offer.verbs if verb.name == _SAY)
         return next(speaking, "")
 
     def _hears(self) -> bool:
-        return any(SPEECH_TEXT in spec.sensors for spec in self._robot.experiment().drivers)
+        return any(SPEECH_TEXT in spec.offer.sensors for spec in self._robot.experiment().drivers)
 
     def _notice(
         self,

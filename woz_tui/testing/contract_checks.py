@@ -129,15 +129,14 @@ def _offered(driver_class: type[Driver], settings: Any) -> Iterable[Finding]:
         yield _error("Settings", "must be a frozen dataclass", "@dataclass(frozen=True)")
     if not driver_class.summary or "\n" in driver_class.summary:
         yield _error("summary", "must be one line that says what the driver is")
-    verbs = driver_class.verbs(settings)
-    if verbs != driver_class.verbs(settings):
-        yield _error("verbs", "two calls with the same settings differ")
-    yield from _repeated("verbs", [verb.name for verb in verbs])
-    for verb in verbs:
+    offered = driver_class.offer(settings)
+    if offered != driver_class.offer(settings):
+        yield _error("offer", "two calls with the same settings differ")
+    yield from _repeated("verbs", [verb.name for verb in offered.verbs])
+    for verb in offered.verbs:
         yield from _verb(verb)
-    yield from _consent(verbs)
-    sensors = driver_class.sensors(settings)
-    yield from _repeated("sensors", sensors)
+    yield from _consent(offered.verbs)
+    yield from _repeated("sensors", offered.sensors)
 
 
 def _consent(verbs: Iterable[Verb]) -> Iterable[Finding]:
@@ -236,9 +235,10 @@ _TEXTS = ("", UNKNOWN, "no/such thing")
 
 def _remarked(driver_class: type[Driver], settings: Any, folder: Path) -> Iterable[Finding]:
     """`remarks`: about any command, without raising."""
-    names = [*(driver_class.joints(settings) or ())]
+    offered = driver_class.offer(settings)
+    names = [*(offered.joints or ())]
     joints: dict[str, Json] = dict.fromkeys(names[:1] or ["joint"], 0.0)
-    for verb in driver_class.verbs(settings):
+    for verb in offered.verbs:
         for text in _TEXTS:
             args = {one.name: _sample(one, text, joints) for one in verb.arguments}
             try:
@@ -298,7 +298,7 @@ async def stops(driver_class: type[Driver], device: Devices) -> list[Finding]:
     async with device as there:
         if (command := there.command) is None:
             return []
-        driving = (verb for verb in driver_class.verbs(there.settings) if verb.drives)
+        driving = (verb for verb in driver_class.offer(there.settings).verbs if verb.drives)
         drives = command.verb in {verb.name for verb in driving}
         async with _Life(driver_class, there.settings) as life:
             await life.connected()
@@ -404,7 +404,7 @@ class _Life:
 
     def __init__(self, driver_class: type[Driver], settings: Any, folder: Path = Path()) -> None:
         self.findings: list[Finding] = []
-        self._sensors = set(driver_class.sensors(settings))
+        self._sensors = set(driver_class.offer(settings).sensors)
         self._tasks, self._threads = asyncio.all_tasks(), set(threading.enumerate())
         self._context = RecordingContext(folder)
         self._watch = LifeWatch(self.wrong, LAG_S)

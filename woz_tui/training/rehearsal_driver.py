@@ -8,9 +8,18 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
-from woz_tui.drivers.contract import Driver, DriverContext, Health, Job, PassiveDriver, Scope, Verb
+from woz_tui.drivers.contract import (
+    Driver,
+    DriverContext,
+    Health,
+    Job,
+    Offer,
+    PassiveDriver,
+    Scope,
+    Verb,
+)
 from woz_tui.protocol.messages import Json
 
 #: Calm speech: about 150 words a minute.
@@ -39,10 +48,18 @@ class Rehearsal(Driver):
     """
 
     needs_hardware = False
+    #: The class whose place it takes.
+    real: ClassVar[type[Driver]]
+
+    @classmethod
+    def offer(cls, settings: Any) -> Offer:
+        """As the real one, but for what it senses and asks for."""
+        offered = cls.real.offer(settings)
+        return Offer(verbs=offered.verbs, joints=offered.joints, outline=offered.outline)
 
     def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
         super().__init__(name, settings, context)
-        self._offered = {verb.name: verb for verb in self.verbs(settings)}
+        self._offered = {verb.name: verb for verb in self.offer(settings).verbs}
 
     async def open(self) -> None:
         """Ready at once."""
@@ -70,9 +87,7 @@ def rehearsal_of(real: type[Driver]) -> type[Driver]:
         {
             "Settings": real.Settings,
             "summary": f"{real.summary} (rehearsed)",
-            "verbs": staticmethod(real.verbs),
-            "joints": staticmethod(real.joints),
-            "outline": staticmethod(real.outline),
+            "real": real,
         },
     )
 

@@ -16,9 +16,9 @@ from woz_tui.drivers.contract import (
     DriverFacts,
     Health,
     Job,
+    Offer,
     RejectedError,
     Scope,
-    Verb,
 )
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
@@ -54,8 +54,8 @@ class Cart(Driver):
     transport = CartLibrary
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return (common_verb("drive"),)
+    def offer(cls, settings: Any) -> Offer:
+        return Offer(verbs=(common_verb("drive"),))
 
     def __init__(self, name: str, settings: CartSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)

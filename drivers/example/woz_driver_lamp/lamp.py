@@ -26,6 +26,7 @@ from woz_tui.drivers.contract import (
     Finding,
     Health,
     Job,
+    Offer,
     Probe,
     RejectedError,
     Scope,
@@ -57,25 +58,25 @@ class Lamp(Driver):
     settings: LampSettings
 
     @classmethod
-    def verbs(cls, settings: LampSettings) -> tuple[Verb, ...]:
-        """`glow`, in a lane of its own: it may fade while the robot speaks."""
+    def offer(cls, settings: LampSettings) -> Offer:
+        """`glow`, in a lane of its own: it may fade while the robot speaks; the button is 1
+        while it is pressed.
+        """
         color = Argument("color", "text", "as #rrggbb", required=True)
         fade = Argument("seconds", "seconds", "fade", default=0.5, range=Range(0, 20, "s"))
-        return (
-            Verb(
-                "glow",
-                "fade to a colour",
-                (color, fade),
-                lane="lamp",
-                limit_s=25.0,
-                evidence="reported",  # the lamp says when it has faded
+        return Offer(
+            verbs=(
+                Verb(
+                    "glow",
+                    "fade to a colour",
+                    (color, fade),
+                    lane="lamp",
+                    limit_s=25.0,
+                    evidence="reported",  # the lamp says when it has faded
+                ),
             ),
+            sensors=("button",),
         )
-
-    @classmethod
-    def sensors(cls, settings: LampSettings) -> tuple[str, ...]:
-        """The button: 1 while it is pressed."""
-        return ("button",)
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

@@ -23,10 +23,10 @@ from woz_tui.drivers.contract import (
     Forecast,
     Health,
     Job,
+    Offer,
     Probe,
     RejectedError,
     Scope,
-    Verb,
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import known_by
@@ -78,7 +78,7 @@ class Body(RenderedDriver):
         self.loop = BodyLoop(
             settings, context, self._ticker.lateness, self._on_ended, self._on_stroke
         )
-        verbs = self.verbs(settings)
+        verbs = self.offer(settings).verbs
         self._verbs = {verb.name for verb in verbs}
         self._brief = {verb.name for verb in verbs if verb.stream} | BRIEF
         self._arriving = {verb.name for verb in verbs if verb.arrives}
@@ -93,30 +93,22 @@ class Body(RenderedDriver):
         self._closed = False
 
     @classmethod
-    def verbs(cls, settings: BodySettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: BodySettings) -> Offer:
         """Everything a body can be asked for; what is about the face only if it has one. What its
-        servos show is measured; without any nobody can know.
+        servos show is measured; without any nobody can know, and the joints are published, too.
+        Setpoints in degrees come at 10 Hz; `tick` is how late the latest tick of a second was, in
+        milliseconds.
         """
         verbs = body_verbs(settings, settings.playable)
-        return tuple(known_by("measured", verbs, *_AWAITED)) if settings.servos else verbs
-
-    @classmethod
-    def joints(cls, settings: BodySettings) -> Mapping[str, Range]:
-        """Joints with their limits in degrees, so that `woz check` finds impossible poses."""
-        return {name: Range(joint.min, joint.max, "deg") for name, joint in settings.joints.items()}
-
-    @classmethod
-    def sensors(cls, settings: BodySettings) -> tuple[str, ...]:
-        """Setpoints in degrees (10 Hz), without servos the joints too, and how late the latest tick
-        of a second was, in milliseconds.
-        """
         kinds = ("setpoint",) if settings.servos else ("setpoint", "joint")
-        return (*(f"{kind}.{name}" for kind in kinds for name in settings.joints), "tick")
-
-    @classmethod
-    def outline(cls, settings: BodySettings) -> dict[str, Json]:
-        """What it looks like: `kind`, and what `motion.kinematics.outline` says of the shape."""
-        return {"kind": "body", **body_outline(settings)}
+        return Offer(
+            verbs=tuple(known_by("measured", verbs, *_AWAITED)) if settings.servos else verbs,
+            joints={
+                name: Range(joint.min, joint.max, "deg") for name, joint in settings.joints.items()
+            },
+            sensors=(*(f"{kind}.{name}" for kind in kinds for name in settings.joints), "tick"),
+            outline={"kind": "body", **body_outline(settings)},
+        )
 
     @classmethod
     def engine(cls, settings: BodySettings, *, seed: int | None = None) -> Engine:

@@ -20,10 +20,10 @@ from woz_tui.drivers.contract import (
     Finding,
     Health,
     Job,
+    Offer,
     PassiveDriver,
     Probe,
     RejectedError,
-    Verb,
 )
 from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.protocol.messages import Json
@@ -70,14 +70,12 @@ class Camera(PassiveDriver):
         self._source: ByteStream | None = None
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        """It can save its pictures, where the file says so."""
-        return (frame_files.VERB,) if settings.frames is not None else ()
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """Where it is, and how large; how many pictures have been saved."""
-        return (*SENSORS, frame_files.FRAMES) if settings.frames is not None else SENSORS
+    def offer(cls, settings: Any) -> Offer:
+        """Where the blob is, and how large; it saves its pictures where the file says so."""
+        return Offer(
+            verbs=(frame_files.VERB,) if settings.frames is not None else (),
+            sensors=(*SENSORS, frame_files.FRAMES) if settings.frames is not None else SENSORS,
+        )
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

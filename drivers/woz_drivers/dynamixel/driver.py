@@ -23,11 +23,11 @@ from woz_tui.drivers.contract import (
     DriverFacts,
     Finding,
     Job,
+    Offer,
     Probe,
     RejectedError,
     Scope,
     StopReport,
-    Verb,
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
@@ -67,25 +67,21 @@ class DynamixelServos(Driver):
         self._started = False
 
     @classmethod
-    def verbs(cls, settings: ServoSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: ServoSettings) -> Offer:
         """pose, poses, home, torque; play, gaze, nudge and reboot where the settings allow them.
 
-        Servos that follow a body leave everything to it but torque and reboot.
-        """
-        return verbs.servo_verbs(settings)
-
-    @classmethod
-    def joints(cls, settings: ServoSettings) -> Mapping[str, Range]:
-        """Joints with their limits in degrees, so that `woz check` finds impossible poses."""
-        return {name: Range(joint.min, joint.max, "deg") for name, joint in settings.joints.items()}
-
-    @classmethod
-    def sensors(cls, settings: ServoSettings) -> tuple[str, ...]:
-        """Five readings a joint: position and setpoint in degrees (10 Hz), temperature in C,
-        voltage in V, load in % of the maximum (1 Hz). Setpoints are the body's if one is followed.
+        Servos that follow a body leave everything to it but torque and reboot. Five readings a
+        joint: position and setpoint in degrees (10 Hz), temperature in C, voltage in V, load in %
+        of the maximum (1 Hz). Setpoints are the body's if one is followed.
         """
         kinds = [kind for kind in SENSORS if not (settings.follows and kind == "setpoint")]
-        return tuple(f"{kind}.{name}" for kind in kinds for name in settings.joints)
+        return Offer(
+            verbs=verbs.servo_verbs(settings),
+            joints={
+                name: Range(joint.min, joint.max, "deg") for name, joint in settings.joints.items()
+            },
+            sensors=tuple(f"{kind}.{name}" for kind in kinds for name in settings.joints),
+        )
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

@@ -34,6 +34,7 @@ from woz_tui.drivers.contract import (
     Finding,
     Health,
     Job,
+    Offer,
     PassiveDriver,
     Probe,
     RejectedError,
@@ -102,42 +103,42 @@ class Faces(PassiveDriver):
         self._line = b""
 
     @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """Of the person who is addressed, and of each face."""
-        return ADDRESSED + EACH + ((IDENTITY, EACH_IDENTITY) if settings.identity else ())
-
-    @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        """Calibrations, and whom the robot addresses."""
+    def offer(cls, settings: Any) -> Offer:
+        """Readings of the person who is addressed and of each face; calibrations, and whom the
+        robot addresses.
+        """
         seconds = Argument("seconds", "seconds", "how long", default=2.0, range=Range(0.5, 30, "s"))
         metres = Argument(
             "metres", "number", "from the camera to the face", required=True, range=Range(0.2, 10)
         )
         who = Argument("who", "text", f"`{NEXT}`, `{RULE}` or a face's number", default=NEXT)
-        return (
-            Verb(
-                "calibrate_gaze",
-                "learn how it looks when somebody looks at the robot",
-                (seconds,),
-                lane="calibration",
-                limit_s=35.0,
-                evidence="measured",
+        return Offer(
+            sensors=ADDRESSED + EACH + ((IDENTITY, EACH_IDENTITY) if settings.identity else ()),
+            verbs=(
+                Verb(
+                    "calibrate_gaze",
+                    "learn how it looks when somebody looks at the robot",
+                    (seconds,),
+                    lane="calibration",
+                    limit_s=35.0,
+                    evidence="measured",
+                ),
+                Verb(
+                    "calibrate_distance",
+                    "learn how wide a face is at a distance that was measured",
+                    (metres, seconds),
+                    lane="calibration",
+                    limit_s=35.0,
+                    evidence="measured",
+                ),
+                Verb(
+                    *("address", "whose signs count", (who,)),
+                    lane="addressed",
+                    brief=True,
+                    evidence="",
+                ),
+                *(_identity_verbs() if settings.identity else ()),
             ),
-            Verb(
-                "calibrate_distance",
-                "learn how wide a face is at a distance that was measured",
-                (metres, seconds),
-                lane="calibration",
-                limit_s=35.0,
-                evidence="measured",
-            ),
-            Verb(
-                *("address", "whose signs count", (who,)),
-                lane="addressed",
-                brief=True,
-                evidence="",
-            ),
-            *(_identity_verbs() if settings.identity else ()),
         )
 
     @classmethod

@@ -18,7 +18,7 @@ from woz_drivers.furhat.realtime_events import CameraData
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.pictures.live_pictures import LivePictures, kept_picture
 from woz_tui.drivers.background import Background
-from woz_tui.drivers.contract import DriverContext, DriverError, Job, Verb
+from woz_tui.drivers.contract import DriverContext, DriverError, Job, Offer, Verb
 from woz_tui.protocol.camera_pictures import CameraWatched
 from woz_tui.protocol.messages import Json
 from woz_tui.system.extras import install_command
@@ -38,9 +38,11 @@ class FurhatCamera(FurhatPart):
         self._watching = Background("the camera", context)
 
     @classmethod
-    def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: FurhatSettings) -> Offer:
         """It can keep a picture."""
-        return (Verb("picture", "keep a picture of the robot's camera as a file", lane="watch"),)
+        return Offer(
+            verbs=(Verb("picture", "keep a picture of the robot's camera as a file", lane="watch"),)
+        )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Take a picture and keep it; returns `file` and `t` of the moment when it came."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from woz_drivers.furhat import doctor
@@ -14,7 +15,6 @@ from woz_drivers.furhat.head import FurhatHead
 from woz_drivers.furhat.hearing import FurhatHearing
 from woz_drivers.furhat.light import FurhatLight
 from woz_drivers.furhat.link import FurhatLink
-from woz_drivers.furhat.moves import FACE_PARAMETERS
 from woz_drivers.furhat.senses import FurhatSenses
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.furhat.speech import FurhatSpeech
@@ -25,13 +25,11 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverFacts,
     Finding,
+    Offer,
     Probe,
-    Verb,
 )
-from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_parts import RobotOfParts
 from woz_tui.drivers.robot_verbs import known_by
-from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 
 #: How often it is looked what has changed by itself, in seconds.
 _LOOK_S = 1.0
@@ -73,21 +71,12 @@ class Furhat(RobotOfParts[FurhatLink, FurhatSettings]):
         self._settings_task = Background("reading what changes by itself", context)
 
     @classmethod
-    def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: FurhatSettings) -> Offer:
         """Speech, sounds, gestures, gaze, expression, light, listening, camera; the robot tells of
         the end of some alone.
         """
-        return tuple(known_by("reported", super().verbs(settings), *_TOLD))
-
-    @classmethod
-    def lacks(cls, settings: FurhatSettings) -> Mapping[str, str]:
-        """A live voice, unless the file says so."""
-        return {} if settings.talk is not None else TALK_UNWRITTEN
-
-    @classmethod
-    def joints(cls, settings: FurhatSettings) -> Mapping[str, Range]:
-        """Face parameters, 0 to 1; those of neck and gaze in degrees."""
-        return FACE_PARAMETERS
+        offered = super().offer(settings)
+        return replace(offered, verbs=tuple(known_by("reported", offered.verbs, *_TOLD)))
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

@@ -39,6 +39,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     Forecast,
     Job,
+    Offer,
     RejectedError,
     Verb,
 )
@@ -87,24 +88,29 @@ class FurhatFace(FurhatPart):
         self._configured: dict[str, bool] = {}
 
     @classmethod
-    def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
-        """Gestures by name, emotions, face parameters as joints."""
+    def offer(cls, settings: FurhatSettings) -> Offer:
+        """Gestures by name, emotions, face parameters as joints. The joints go from 0 to 1;
+        those of neck and gaze are in degrees.
+        """
         moves = offered_moves(settings.gestures)
-        return (
-            common_verb("play", choices=moves),
-            common_verb("pose", "set face parameters", _SECONDS, arrives=True),
-            common_verb("poses", "pass through face parameters over time", arrives=True),
-            common_verb("home", "a neutral face that looks straight on", _SECONDS),
-            common_verb("emotion", choices=tuple(EMOTIONS)),
-            Verb(
-                "face",
-                "show another face, or change how it lives",
-                (
-                    Argument("face", "text", "mask and character: adult - Isabel", default=""),
-                    *(Argument(name, "flag", "leave out: as it is") for name in _CONFIGURED),
+        return Offer(
+            verbs=(
+                common_verb("play", choices=moves),
+                common_verb("pose", "set face parameters", _SECONDS, arrives=True),
+                common_verb("poses", "pass through face parameters over time", arrives=True),
+                common_verb("home", "a neutral face that looks straight on", _SECONDS),
+                common_verb("emotion", choices=tuple(EMOTIONS)),
+                Verb(
+                    "face",
+                    "show another face, or change how it lives",
+                    (
+                        Argument("face", "text", "mask and character: adult - Isabel", default=""),
+                        *(Argument(name, "flag", "leave out: as it is") for name in _CONFIGURED),
+                    ),
+                    lane="face",
                 ),
-                lane="face",
             ),
+            joints=FACE_PARAMETERS,
         )
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:

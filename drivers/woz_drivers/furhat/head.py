@@ -14,7 +14,7 @@ from woz_drivers.furhat.link import Exchange, FurhatLink, FurhatPart
 from woz_drivers.furhat.realtime_events import AttendStatus, Place
 from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_tui.drivers.argument_values import number, text
-from woz_tui.drivers.contract import Argument, DriverContext, Job, Verb
+from woz_tui.drivers.contract import Argument, DriverContext, Job, Offer, Verb
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
@@ -51,18 +51,24 @@ class FurhatHead(FurhatPart):
         link.on(AttendStatus, self._attended)
 
     @classmethod
-    def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: FurhatSettings) -> Offer:
         """Directions in degrees, and people."""
-        return (
-            common_verb("gaze"),
-            common_verb("nudge"),
-            Verb(
-                "follow",
-                "look at somebody wherever they go",
-                (Argument("user", "text", "closest, nobody, or a user's id", default="closest"),),
-                lane=LANE,
-                limit_s=5.0,
-            ),
+        return Offer(
+            verbs=(
+                common_verb("gaze"),
+                common_verb("nudge"),
+                Verb(
+                    "follow",
+                    "look at somebody wherever they go",
+                    (
+                        Argument(
+                            "user", "text", "closest, nobody, or a user's id", default="closest"
+                        ),
+                    ),
+                    lane=LANE,
+                    limit_s=5.0,
+                ),
+            )
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

@@ -19,7 +19,7 @@ from woz_drivers.furhat.realtime_events import (
 )
 from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_drivers.sound.noticed_speech import NoticedSpeech
-from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, DriverContext, Job, Verb
+from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, DriverContext, Job, Offer, Verb
 from woz_tui.protocol.messages import Json
 
 #: It stops listening by itself for these reasons, and goes on after a while; else it is asked to.
@@ -51,22 +51,20 @@ class FurhatHearing(FurhatPart):
         link.on(HearEnded, self._heard)
 
     @classmethod
-    def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
-        """`listen`."""
-        return (
-            Verb(
-                "listen",
-                "recognise what is said, or stop doing so",
-                (SETTINGS["listening"].taken(required=True),),
-                lane="listen",
-                limit_s=5.0,
+    def offer(cls, settings: FurhatSettings) -> Offer:
+        """`listen`; speech and its texts."""
+        return Offer(
+            verbs=(
+                Verb(
+                    "listen",
+                    "recognise what is said, or stop doing so",
+                    (SETTINGS["listening"].taken(required=True),),
+                    lane="listen",
+                    limit_s=5.0,
+                ),
             ),
+            sensors=(SPEECH, SPEECH_TEXT),
         )
-
-    @classmethod
-    def sensors(cls, settings: FurhatSettings) -> tuple[str, ...]:
-        """Speech and its texts."""
-        return (SPEECH, SPEECH_TEXT)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Begin or end listening."""

@@ -10,7 +10,7 @@ from woz_drivers.furhat.link import FurhatLink, FurhatPart
 from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_tui.drivers.argument_values import color, word
 from woz_tui.drivers.background import Background
-from woz_tui.drivers.contract import DeviceLostError, DriverContext, Job, Verb
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, Job, Offer
 from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS, common_verb
 from woz_tui.protocol.messages import Json
 
@@ -30,9 +30,9 @@ class FurhatLight(FurhatPart):
         self._loop = Background("the light", context)
 
     @classmethod
-    def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: FurhatSettings) -> Offer:
         """`eyes`."""
-        return (common_verb("eyes", "colour the LED ring", lane="light", limit_s=5.0),)
+        return Offer(verbs=(common_verb("eyes", "colour the LED ring", lane="light", limit_s=5.0),))
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Show the colour at once."""

@@ -14,7 +14,7 @@ from woz_drivers.furhat.realtime_events import AudioData, DetectedUser, Place, U
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.sound import pcm_audio
 from woz_tui.drivers.background import Background
-from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Offer
 from woz_tui.drivers.sound_feeds import WIDTH, SoundOffer
 
 #: Of people, as the engagement model calls them.
@@ -53,10 +53,12 @@ class FurhatSenses(FurhatPart):
         link.on(AudioData, self._sound)
 
     @classmethod
-    def sensors(cls, settings: FurhatSettings) -> tuple[str, ...]:
+    def offer(cls, settings: FurhatSettings) -> Offer:
         """What is read with these settings."""
         senses = settings.senses
-        return (*(PEOPLE if senses.users else ()), *(("loudness",) if senses.loudness else ()))
+        return Offer(
+            sensors=(*(PEOPLE if senses.users else ()), *(("loudness",) if senses.loudness else ()))
+        )
 
     async def connected(self) -> None:
         """Have the robot tell who is there, and what it hears."""
@@ -75,7 +77,7 @@ class FurhatSenses(FurhatPart):
         self._following.cancel()
         self._waiting = None
         self._head.sees({})
-        self._stale(self.sensors(self._settings), "the robot is not connected")
+        self._stale(self.offer(self._settings).sensors, "the robot is not connected")
 
     async def close(self) -> None:
         """The robot need not tell us any more."""

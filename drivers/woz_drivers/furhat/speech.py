@@ -35,12 +35,13 @@ from woz_tui.drivers.contract import (
     DriverError,
     Forecast,
     Job,
+    Offer,
     RejectedError,
     Verb,
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
-from woz_tui.drivers.sound_feeds import WIDTH
+from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN, WIDTH
 from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
 
@@ -92,39 +93,40 @@ class FurhatSpeech(FurhatPart):
         self._live: _LiveUtterance | None = None
 
     @classmethod
-    def sensors(cls, settings: FurhatSettings) -> tuple[str, ...]:
-        """How old a live voice is when it is sent."""
-        return () if settings.talk is None else (live_talk.TALK,)
-
-    @classmethod
-    def verbs(cls, settings: FurhatSettings) -> tuple[Verb, ...]:
-        """`say`, `sound`, `voice`, `volume`; `talk` and `end_talk` where the file says so."""
-        return (
-            *(() if settings.talk is None else live_talk.VERBS),
-            common_verb("say", limit_s=_LONGEST_S, markup=("pause",)),
-            common_verb(
-                "sound",
-                "play a sound",
-                Argument("volume", "number", "of a file, 0 to 1", False, 1.0, Range(0, 1)),
-                Argument("lipsync", "flag", "move the lips to it", default=False),
-                lane=LANE,
-            ),
-            Verb(
-                "voice",
-                "take another voice",
-                (
-                    Argument("name", "text", "its name or a part of it", default=""),
-                    Argument("language", "text", "such as en-US", default=""),
-                    Argument("gender", "text", "as the robot's list has it", default=""),
+    def offer(cls, settings: FurhatSettings) -> Offer:
+        """`say`, `sound`, `voice`, `volume`; `talk` and `end_talk` where the file says so, with how
+        old a voice is when it is sent.
+        """
+        return Offer(
+            lacks=TALK_UNWRITTEN if settings.talk is None else {},
+            sensors=() if settings.talk is None else (live_talk.TALK,),
+            verbs=(
+                *(() if settings.talk is None else live_talk.VERBS),
+                common_verb("say", limit_s=_LONGEST_S, markup=("pause",)),
+                common_verb(
+                    "sound",
+                    "play a sound",
+                    Argument("volume", "number", "of a file, 0 to 1", False, 1.0, Range(0, 1)),
+                    Argument("lipsync", "flag", "move the lips to it", default=False),
+                    lane=LANE,
                 ),
-                lane="voice-settings",
-                limit_s=10.0,
-            ),
-            common_verb(
-                *("volume", "", SETTINGS["volume"].taken(required=True)),
-                lane="voice-settings",
-                limit_s=5.0,
-                brief=True,
+                Verb(
+                    "voice",
+                    "take another voice",
+                    (
+                        Argument("name", "text", "its name or a part of it", default=""),
+                        Argument("language", "text", "such as en-US", default=""),
+                        Argument("gender", "text", "as the robot's list has it", default=""),
+                    ),
+                    lane="voice-settings",
+                    limit_s=10.0,
+                ),
+                common_verb(
+                    *("volume", "", SETTINGS["volume"].taken(required=True)),
+                    lane="voice-settings",
+                    limit_s=5.0,
+                    brief=True,
+                ),
             ),
         )
 

@@ -27,10 +27,10 @@ from woz_tui.drivers.contract import (
     Finding,
     HandInput,
     Health,
+    Offer,
     Probe,
     RejectedError,
     Scope,
-    Verb,
 )
 from woz_tui.protocol.messages import Json
 
@@ -181,33 +181,28 @@ class HandsPanel(ControlPanel):
     # -- what the class tells ------------------------------------------------------------------
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        """As other panels, if it has controls that could be taken over."""
-        takes = any(it.soft for it in mapped_controls(settings))
-        return super().verbs(settings) if takes else ()
-
-    @classmethod
-    def outline(cls, settings: Any) -> dict[str, Json]:
-        """The panel as the console draws it, and as `woz hands` reads it."""
+    def offer(cls, settings: Any) -> Offer:
+        """As other panels; there is something to take over if it has controls that could be. `woz
+        hands` reads the outline, too.
+        """
         kept: HandsSettings = settings
         mapped = mapped_controls(kept)
         held = {_function(it).hold for it in mapped}
         used = {it.name for it in mapped if not it.free}
-        return {
-            "kind": "panel",
-            "name": kept.device,
-            "device": kept.device,
-            "hold": kept.hold,
-            "controls": [
-                _outlined(it, holds=it.name in held) for it in mapped if it.name in used | held
-            ],
-        }
-
-    @classmethod
-    def asks(cls, settings: Any) -> tuple[tuple[str, Ask], ...]:
-        """Everything its controls may ask for, each with the path of the setting that says so."""
-        return tuple(
-            (f"controls.{it.name}", ask) for it in mapped_controls(settings) for ask in it.asks()
+        offered = super().offer(settings)
+        return replace(
+            offered,
+            verbs=offered.verbs if any(it.soft for it in mapped) else (),
+            outline={
+                "kind": "panel",
+                "name": kept.device,
+                "device": kept.device,
+                "hold": kept.hold,
+                "controls": [
+                    _outlined(it, holds=it.name in held) for it in mapped if it.name in used | held
+                ],
+            },
+            asks=tuple((f"controls.{it.name}", ask) for it in mapped for ask in it.asks()),
         )
 
     @classmethod

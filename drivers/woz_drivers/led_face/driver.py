@@ -19,6 +19,7 @@ from woz_tui.drivers.contract import (
     Finding,
     Health,
     Job,
+    Offer,
     PassiveDriver,
     Probe,
     RejectedError,
@@ -145,9 +146,9 @@ class LedFace(PassiveDriver):
         )
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+    def offer(cls, settings: Any) -> Offer:
         """Test pictures; what the face shows otherwise is up to the body."""
-        return (_PATTERN,)
+        return Offer(verbs=(_PATTERN,))
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

@@ -30,10 +30,10 @@ from woz_tui.drivers.contract import (
     Finding,
     Health,
     Job,
+    Offer,
     PassiveDriver,
     Probe,
     RejectedError,
-    Verb,
 )
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.drivers.sound_feeds import SoundOffer
@@ -88,23 +88,21 @@ class Microphone(PassiveDriver):
         )
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        """It can learn the room's noise."""
-        return (common_verb(room_threshold.NAME, evidence="measured"),)
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """The loudness, the threshold of speech on the same scale, segments of speech, and their
-        texts where a program understands them.
+    def offer(cls, settings: Any) -> Offer:
+        """It can learn the room's noise. It publishes the loudness, the threshold of speech on the
+        same scale, segments of speech, and their texts where a program understands them.
         """
-        return (
-            SENSOR,
-            room_threshold.THRESHOLD,
-            SPEECH,
-            *(
-                (SPEECH_TEXT, TRANSCRIBER)
-                if settings.transcribe or settings.resident_transcriber
-                else ()
+        return Offer(
+            verbs=(common_verb(room_threshold.NAME, evidence="measured"),),
+            sensors=(
+                SENSOR,
+                room_threshold.THRESHOLD,
+                SPEECH,
+                *(
+                    (SPEECH_TEXT, TRANSCRIBER)
+                    if settings.transcribe or settings.resident_transcriber
+                    else ()
+                ),
             ),
         )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 from woz_drivers.midi import doctor
@@ -23,15 +24,14 @@ from woz_drivers.midi.wire import (
 from woz_drivers.panels.control_functions import MappedControl
 from woz_drivers.panels.control_panel import LOOK_S, ControlPanel, drawn_control
 from woz_tui.drivers.contract import (
-    Ask,
     DeviceLostError,
     DriverContext,
     DriverFacts,
     Finding,
     Health,
+    Offer,
     Probe,
 )
-from woz_tui.protocol.messages import Json
 
 
 class MidiPanel(ControlPanel):
@@ -68,20 +68,18 @@ class MidiPanel(ControlPanel):
     # -- what the class tells ------------------------------------------------------------------
 
     @classmethod
-    def outline(cls, settings: Any) -> dict[str, Json]:
-        """The panel as the console draws it."""
-        return {
-            "kind": "panel",
-            "name": settings.panel.title,
-            "controls": [drawn_control(it) for it in mapped_controls(settings)],
-        }
-
-    @classmethod
-    def asks(cls, settings: Any) -> tuple[tuple[str, Ask], ...]:
-        """Everything its controls may ask for, each with the path of the setting that says so."""
+    def offer(cls, settings: Any) -> Offer:
+        """As other panels; it is drawn as the outline says."""
         panel: MidiSettings = settings
-        return tuple(
-            (panel.said_at(it.name), ask) for it in mapped_controls(panel) for ask in it.asks()
+        mapped = mapped_controls(panel)
+        return replace(
+            super().offer(settings),
+            outline={
+                "kind": "panel",
+                "name": panel.panel.title,
+                "controls": [drawn_control(it) for it in mapped],
+            },
+            asks=tuple((panel.said_at(it.name), ask) for it in mapped for ask in it.asks()),
         )
 
     @classmethod

@@ -14,7 +14,7 @@ from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.senses import CALM_US, MemoryQuery
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.background import Background
-from woz_tui.drivers.contract import DeviceLostError, DriverContext
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, Offer
 
 #: From one question to the next, in seconds: a fall and a touch are known after so long.
 POLL_S = 0.1
@@ -62,10 +62,10 @@ class BodySensesPart(NaoqiPart):
         self._polling = Background("reading what the robot feels", context)
 
     @classmethod
-    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """Touches where they are wanted; falls and warmth in any case."""
         touches = TOUCHES if settings.senses.touch else ()
-        return (*touches, falls.SENSOR, hot_motors.SENSOR)
+        return Offer(sensors=(*touches, falls.SENSOR, hot_motors.SENSOR))
 
     async def look(self) -> None:
         """See whether it lies, before anything else is done with it. Raises `DeviceLostError`."""
@@ -84,7 +84,7 @@ class BodySensesPart(NaoqiPart):
         """Nothing is known any more."""
         self._polling.cancel()
         self._falls.forget()
-        for sensor in self.sensors(self._settings):
+        for sensor in self.offer(self._settings).sensors:
             self._context.sensor(sensor, "stale", "the robot is not connected")
 
     def conflicts(self) -> Iterator[str]:
@@ -106,7 +106,7 @@ class BodySensesPart(NaoqiPart):
                 await self._round(warmth=turn % WARMTH_EVERY == 0)
                 turn += 1
             except DeviceLostError as error:  # the connection says when it is there again
-                for sensor in self.sensors(self._settings):
+                for sensor in self.offer(self._settings).sensors:
                     self._context.sensor(sensor, "stale", error.what)
             await asyncio.sleep(max(0.0, due - loop.time()))
 

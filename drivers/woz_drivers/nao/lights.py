@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from woz_drivers.naoqi_robot.eyes import LEDS, LONGEST, MARGIN_S, EyeColor, EyesPart
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
@@ -15,6 +16,7 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Job,
+    Offer,
     RejectedError,
     Verb,
 )
@@ -39,11 +41,12 @@ class NaoEyesPart(EyesPart):
     """The eyes, which also show feelings."""
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """Those of the eyes, and `emotion`."""
         summary = "show a feeling by the colour of the eyes"
         emotion = common_verb("emotion", summary, choices=tuple(EMOTIONS), limit_s=10.0)
-        return (*super().verbs(settings), emotion)
+        offered = super().offer(settings)
+        return replace(offered, verbs=(*offered.verbs, emotion))
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Show it."""
@@ -96,20 +99,22 @@ class LightsPart(NaoqiPart):
         self._desired: dict[str, EyeColor] = {}
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """`leds`."""
-        return (
-            Verb(
-                "leds",
-                "colour the lights of ears, chest, feet or head",
-                (
-                    Argument("group", "choice", required=True, choices=tuple(GROUPS)),
-                    Argument("color", "text", "a name or #rrggbb; off", required=True),
-                    Argument("seconds", "seconds", "fade to it", False, 0.0, LONGEST),
+        return Offer(
+            verbs=(
+                Verb(
+                    "leds",
+                    "colour the lights of ears, chest, feet or head",
+                    (
+                        Argument("group", "choice", required=True, choices=tuple(GROUPS)),
+                        Argument("color", "text", "a name or #rrggbb; off", required=True),
+                        Argument("seconds", "seconds", "fade to it", False, 0.0, LONGEST),
+                    ),
+                    lane="leds",
+                    limit_s=60.0,
                 ),
-                lane="leds",
-                limit_s=60.0,
-            ),
+            )
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

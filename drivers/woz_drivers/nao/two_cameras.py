@@ -11,7 +11,7 @@ from woz_drivers.naoqi_robot.camera import RGB, SINGLE, CameraPart
 from woz_drivers.naoqi_robot.parts import RobotCalls
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import word
-from woz_tui.drivers.contract import Argument, DriverContext, Job, Verb
+from woz_tui.drivers.contract import Argument, DriverContext, Job, Offer, Verb
 from woz_tui.protocol.messages import Json
 
 
@@ -25,14 +25,18 @@ class TwoCamerasPart(CameraPart):
         self._single = settings.camera
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """It can keep a picture, of this camera or of the other one."""
-        (picture,) = super().verbs(settings)
+        (picture,) = super().offer(settings).verbs
         which = NAO.settings["camera"].taken(required=True)
         either = Argument("camera", "choice", "of which camera", choices=CAMERAS)
-        return (
-            Verb(picture.name, picture.summary, (either,), lane=picture.lane),
-            Verb("camera", "look through the other camera", (which,), lane="camera", brief=True),
+        return Offer(
+            verbs=(
+                Verb(picture.name, picture.summary, (either,), lane=picture.lane),
+                Verb(
+                    "camera", "look through the other camera", (which,), lane="camera", brief=True
+                ),
+            )
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

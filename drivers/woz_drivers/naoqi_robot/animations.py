@@ -15,6 +15,7 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Job,
+    Offer,
     Scope,
     Verb,
 )
@@ -36,16 +37,18 @@ class AnimationsPart(NaoqiPart):
         self._playing = ""
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """`play`."""
-        return (
-            Verb(
-                "play",
-                "play an animation of the robot",
-                (Argument("move", "text", "its path, or its short name such as Hey_1", True),),
-                lane=LANE,
-                limit_s=600.0,
-            ),
+        return Offer(
+            verbs=(
+                Verb(
+                    "play",
+                    "play an animation of the robot",
+                    (Argument("move", "text", "its path, or its short name such as Hey_1", True),),
+                    lane=LANE,
+                    limit_s=600.0,
+                ),
+            )
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

@@ -18,6 +18,7 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Job,
+    Offer,
     RejectedError,
     Verb,
 )
@@ -39,22 +40,24 @@ class AutonomyPart(NaoqiPart):
         self._desired = settings.initial_values(of_verb("autonomy", "collision").values())
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """`autonomy` and `collision`; what is not named is left as it is."""
         verbs = (
             ("autonomy", "change what the robot does by itself", STATE_S + 5.0),
             ("collision", "change which distances the robot keeps when it moves", 10.0),
         )
-        return tuple(
-            Verb(
-                name,
-                summary,
-                tuple(setting.taken() for setting in of_verb(name).values()),
-                lane=LANE,
-                limit_s=limit_s,
-                brief=True,
+        return Offer(
+            verbs=tuple(
+                Verb(
+                    name,
+                    summary,
+                    tuple(setting.taken() for setting in of_verb(name).values()),
+                    lane=LANE,
+                    limit_s=limit_s,
+                    brief=True,
+                )
+                for name, summary, limit_s in verbs
             )
-            for name, summary, limit_s in verbs
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

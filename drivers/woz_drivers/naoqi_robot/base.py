@@ -16,9 +16,9 @@ from woz_tui.drivers.contract import (
     DriverError,
     Forecast,
     Job,
+    Offer,
     RejectedError,
     Scope,
-    Verb,
 )
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
@@ -41,9 +41,9 @@ class BasePart(NaoqiPart):
     RAD_S: ClassVar[float] = 1.0
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """`drive`."""
-        return (common_verb("drive", cls.SUMMARY, arrives=True),)
+        return Offer(verbs=(common_verb("drive", cls.SUMMARY, arrives=True),))
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
         """About: it starts and brakes gently."""

@@ -18,6 +18,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     Forecast,
     Job,
+    Offer,
     RejectedError,
     Scope,
     Verb,
@@ -43,30 +44,33 @@ class BodyPart(NaoqiPart):
     name = "motion"
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
-        """`posture`, `pose`, `home` and `torque`."""
+    def offer(cls, settings: NaoqiSettings) -> Offer:
+        """`posture`, `pose`, `home` and `torque`; its joints in degrees (hands: 0 to 1)."""
         seconds = Argument("seconds", "seconds", "time it takes", False, 1.0, _SECONDS)
         speed = Argument("speed", "number", "share of full speed", False, DEFAULT_SPEED, SPEED)
-        return (
-            Verb(
-                "posture",
-                "take a posture of the robot",
-                (Argument("name", "text", ", ".join(settings.model.postures), True), speed),
-                lane=LANE,
-                limit_s=60.0,
-                arrives=True,
+        return Offer(
+            verbs=(
+                Verb(
+                    "posture",
+                    "take a posture of the robot",
+                    (Argument("name", "text", ", ".join(settings.model.postures), True), speed),
+                    lane=LANE,
+                    limit_s=60.0,
+                    arrives=True,
+                ),
+                common_verb(
+                    "pose", "move joints to angles in degrees, together", seconds, arrives=True
+                ),
+                common_verb("home", "stand upright again", seconds, limit_s=60.0, arrives=True),
+                common_verb(
+                    "torque",
+                    "wake up, or go to rest and switch the motors off",
+                    SETTINGS["awake"].taken(required=True),
+                    lane=LANE,
+                    limit_s=60.0,
+                ),
             ),
-            common_verb(
-                "pose", "move joints to angles in degrees, together", seconds, arrives=True
-            ),
-            common_verb("home", "stand upright again", seconds, limit_s=60.0, arrives=True),
-            common_verb(
-                "torque",
-                "wake up, or go to rest and switch the motors off",
-                SETTINGS["awake"].taken(required=True),
-                lane=LANE,
-                limit_s=60.0,
-            ),
+            joints=dict(settings.model.joints.ranges),
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

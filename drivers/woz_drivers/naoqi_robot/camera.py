@@ -20,6 +20,7 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Job,
+    Offer,
     RejectedError,
     Verb,
 )
@@ -57,9 +58,11 @@ class CameraPart(NaoqiPart):
         self._last_picture_s = 0.0
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """It can keep a picture."""
-        return (Verb("picture", "keep a picture of the robot's camera as a file", lane="watch"),)
+        return Offer(
+            verbs=(Verb("picture", "keep a picture of the robot's camera as a file", lane="watch"),)
+        )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Take a picture and keep it.

@@ -31,16 +31,15 @@ from woz_tui.drivers.contract import (
     DriverError,
     Finding,
     Job,
+    Offer,
     RejectedError,
     Scope,
     StopReport,
     Verb,
     Written,
 )
-from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_parts import RobotOfParts
 from woz_tui.drivers.robot_verbs import known_by
-from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requesters import requester
 from woz_tui.protocol.robot_outline import RobotOutline
@@ -104,36 +103,26 @@ class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
         self._later = Background("applying the settings", context)
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
-        """Those of its parts, and of the line; NAOqi answers each when it is over, but for what
+    def offer(cls, settings: NaoqiSettings) -> Offer:
+        """What its parts offer, and the line; NAOqi answers each verb when it is over, but for what
         moves in small steps: that is only told.
         """
-        known = known_by("reported", (*super().verbs(settings), *LINE))
-        return tuple(known_by("timed", known, "gaze", "nudge", "hip"))
-
-    @classmethod
-    def lacks(cls, settings: NaoqiSettings) -> Mapping[str, str]:
-        """A live voice, unless the file says so."""
-        return {} if settings.talk is not None else TALK_UNWRITTEN
-
-    @classmethod
-    def joints(cls, settings: NaoqiSettings) -> Mapping[str, Range]:
-        """Joints with their ranges in degrees (hands: 0 to 1)."""
-        return dict(settings.model.joints.ranges)
-
-    @classmethod
-    def outline(cls, settings: NaoqiSettings) -> dict[str, Json]:
-        """Settings that can be shown and changed, robots, animations and tags."""
+        offered = super().offer(settings)
+        verbs = known_by("reported", (*offered.verbs, *LINE))
         robots = tuple(dict.fromkeys((*settings.addresses.values(), SIMULATED)))
         known = settings.model.settings
         named = {**known, "robot": replace(known["robot"], choices=robots)}
-        return RobotOutline(
-            settings=[setting.line() for setting in named.values()],
-            robots=list(robots),
-            moves=list(settings.model.animations.moves),
-            tags=tags.offered(),
-            camera=True,
-        ).as_json()
+        return replace(
+            offered,
+            verbs=tuple(known_by("timed", verbs, "gaze", "nudge", "hip")),
+            outline=RobotOutline(
+                settings=[setting.line() for setting in named.values()],
+                robots=list(robots),
+                moves=list(settings.model.animations.moves),
+                tags=tags.offered(),
+                camera=True,
+            ).as_json(),
+        )
 
     @classmethod
     def remarks(cls, settings: NaoqiSettings, written: Written) -> Iterable[Finding]:

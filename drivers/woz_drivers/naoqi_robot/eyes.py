@@ -27,6 +27,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     Forecast,
     Job,
+    Offer,
     RejectedError,
     Scope,
     Verb,
@@ -69,35 +70,37 @@ class EyesPart(NaoqiPart):
         self._animated = False
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """A colour, an animation, the brightness."""
-        return (
-            common_verb(
-                "eyes",
-                "",
-                SETTINGS["eyes"].taken(required=True),
-                Argument("seconds", "seconds", "fade to it", False, 0.0, LONGEST),
-                limit_s=60.0,
-            ),
-            Verb(
-                "eyes_animation",
-                "play an animation of the eyes; afterwards the previous colour returns",
-                (
-                    Argument("kind", "choice", required=True, choices=KINDS),
-                    Argument("seconds", "seconds", "how long", False, 3.0, LONGEST),
-                    Argument("color", "text", "of the rotating light", False, "white"),
+        return Offer(
+            verbs=(
+                common_verb(
+                    "eyes",
+                    "",
+                    SETTINGS["eyes"].taken(required=True),
+                    Argument("seconds", "seconds", "fade to it", False, 0.0, LONGEST),
+                    limit_s=60.0,
                 ),
-                lane=LANE,
-                limit_s=60.0,
-            ),
-            Verb(
-                "eyes_brightness",
-                "dim the eyes",
-                (SETTINGS["eyes_brightness"].taken(required=True),),
-                lane=LANE,
-                limit_s=5.0,
-                brief=True,
-            ),
+                Verb(
+                    "eyes_animation",
+                    "play an animation of the eyes; afterwards the previous colour returns",
+                    (
+                        Argument("kind", "choice", required=True, choices=KINDS),
+                        Argument("seconds", "seconds", "how long", False, 3.0, LONGEST),
+                        Argument("color", "text", "of the rotating light", False, "white"),
+                    ),
+                    lane=LANE,
+                    limit_s=60.0,
+                ),
+                Verb(
+                    "eyes_brightness",
+                    "dim the eyes",
+                    (SETTINGS["eyes_brightness"].taken(required=True),),
+                    lane=LANE,
+                    limit_s=5.0,
+                    brief=True,
+                ),
+            )
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

@@ -22,9 +22,9 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Job,
+    Offer,
     RejectedError,
     Scope,
-    Verb,
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
@@ -125,17 +125,19 @@ class HeadPart(NaoqiPart):
         )
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """Directions and steps of the head."""
-        return (
-            common_verb(
-                "gaze",
-                "look into a direction",
-                Argument("yaw", "number", "degrees, left is positive", True, None, _DEGREES),
-                Argument("pitch", "number", "degrees, down is positive", False, 0.0, _DEGREES),
-                limit_s=5.0,
-            ),
-            common_verb("nudge"),
+        return Offer(
+            verbs=(
+                common_verb(
+                    "gaze",
+                    "look into a direction",
+                    Argument("yaw", "number", "degrees, left is positive", True, None, _DEGREES),
+                    Argument("pitch", "number", "degrees, down is positive", False, 0.0, _DEGREES),
+                    limit_s=5.0,
+                ),
+                common_verb("nudge"),
+            )
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

@@ -17,7 +17,15 @@ from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.pictures.picture_files import stamp
 from woz_drivers.sound.sound_file import SoundFile
 from woz_tui.drivers.background import Background, BackgroundTasks
-from woz_tui.drivers.contract import Argument, DriverContext, DriverError, Job, RejectedError, Verb
+from woz_tui.drivers.contract import (
+    Argument,
+    DriverContext,
+    DriverError,
+    Job,
+    Offer,
+    RejectedError,
+    Verb,
+)
 from woz_tui.drivers.sound_feeds import SoundOffer
 from woz_tui.protocol.messages import Json
 
@@ -56,11 +64,17 @@ class MicrophonesPart(NaoqiPart):
         self._abandoned: list[SoundRecording] = []
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """Recording there, listening here."""
-        return (
-            Verb("record_sound", "record its microphones to a file on the robot", (_ON,), "watch"),
-            Verb("listen", "its front microphone to a WAV file beside the log", (_ON,), "watch"),
+        return Offer(
+            verbs=(
+                Verb(
+                    "record_sound", "record its microphones to a file on the robot", (_ON,), "watch"
+                ),
+                Verb(
+                    "listen", "its front microphone to a WAV file beside the log", (_ON,), "watch"
+                ),
+            )
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

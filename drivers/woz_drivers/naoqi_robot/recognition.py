@@ -23,6 +23,7 @@ from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
     DriverError,
+    Offer,
 )
 
 SERVICE = "ALSpeechRecognition"
@@ -52,9 +53,9 @@ class RecognitionPart(NaoqiPart):
         self._lingers = False
 
     @classmethod
-    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """Segments of speech and their texts, where there is something to recognise."""
-        return (SPEECH, SPEECH_TEXT) if settings.recognition.phrases else ()
+        return Offer(sensors=(SPEECH, SPEECH_TEXT) if settings.recognition.phrases else ())
 
     async def connected(self) -> None:
         """Have the robot listen for the phrases."""

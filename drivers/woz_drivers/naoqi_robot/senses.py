@@ -26,8 +26,8 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Job,
+    Offer,
     RejectedError,
-    Verb,
 )
 from woz_tui.drivers.face_store import key_of
 from woz_tui.drivers.robot_verbs import common_verb
@@ -185,7 +185,7 @@ class SensesPart(NaoqiPart):
         super().__init__(robot, settings, context)
         self._rate = settings.senses.rate
         self._sonars = settings.model.sonars
-        self._sensors = self.sensors(settings)
+        self._sensors = self.offer(settings).sensors
         self._modules = SensorModules(robot, modules_for(settings), self._silent)
         self._begun_us = 0
         self._query = MemoryQuery(robot)
@@ -195,11 +195,10 @@ class SensesPart(NaoqiPart):
         self._polling = Background("reading the robot's sensors", context)
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
-        """It gives a name to the face that it sees, and forgets it."""
-        if not settings.senses.people:
-            return ()
-        return (
+    def offer(cls, settings: NaoqiSettings) -> Offer:
+        """What the robot senses; where it sees people it gives a name to a face, and forgets it."""
+        named = [sensor for module in modules_for(settings) for sensor in module.sensors]
+        learning = (
             common_verb(FACE_CONSENT, lane="senses"),
             common_verb(
                 LEARN_FACE,
@@ -208,12 +207,10 @@ class SensesPart(NaoqiPart):
                 limit_s=LEARN_S + 5.0,
             ),
         )
-
-    @classmethod
-    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
-        """What it publishes with these settings."""
-        named = [sensor for module in modules_for(settings) for sensor in module.sensors]
-        return (*dict.fromkeys(named), "battery")
+        return Offer(
+            verbs=learning if settings.senses.people else (),
+            sensors=(*dict.fromkeys(named), "battery"),
+        )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Learn a face, or forget it; ends when the robot has done so."""

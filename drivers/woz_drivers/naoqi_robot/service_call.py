@@ -10,7 +10,7 @@ from typing import Any
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import text
-from woz_tui.drivers.contract import Argument, Job, RejectedError, Verb
+from woz_tui.drivers.contract import Argument, Job, Offer, RejectedError, Verb
 from woz_tui.protocol.messages import Json
 
 #: Its own: a call that never returns must not keep the wizard from letting the robot go.
@@ -29,19 +29,21 @@ class ServiceCallPart(NaoqiPart):
     name = "calls"
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """`naoqi`."""
-        return (
-            Verb(
-                "naoqi",
-                "call any method of any service of the robot",
-                (
-                    Argument("call", "text", "Service.method, as ALMotion.getSummary", True),
-                    Argument("args", "text", 'a JSON list, as ["Head", 0.5]', False, "[]"),
+        return Offer(
+            verbs=(
+                Verb(
+                    "naoqi",
+                    "call any method of any service of the robot",
+                    (
+                        Argument("call", "text", "Service.method, as ALMotion.getSummary", True),
+                        Argument("args", "text", 'a JSON list, as ["Head", 0.5]', False, "[]"),
+                    ),
+                    lane=LANE,
+                    limit_s=LIMIT_S + 5.0,
                 ),
-                lane=LANE,
-                limit_s=LIMIT_S + 5.0,
-            ),
+            )
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

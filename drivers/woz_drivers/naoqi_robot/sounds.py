@@ -29,9 +29,9 @@ from woz_tui.drivers.contract import (
     DriverError,
     Forecast,
     Job,
+    Offer,
     RejectedError,
     Scope,
-    Verb,
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
@@ -68,10 +68,12 @@ class SoundsPart(NaoqiPart):
         self._playing = ""
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """`sound`."""
         loud = Argument("volume", "number", "0 mute, 1 full", False, 1.0, Range(0, 1))
-        return (common_verb("sound", "", Argument("file", "text", _FILE, required=True), loud),)
+        return Offer(
+            verbs=(common_verb("sound", "", Argument("file", "text", _FILE, required=True), loud),)
+        )
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
         """Of a file of this machine."""

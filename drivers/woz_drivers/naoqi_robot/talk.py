@@ -14,11 +14,11 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Job,
+    Offer,
     RejectedError,
     Scope,
-    Verb,
 )
-from woz_tui.drivers.sound_feeds import WIDTH
+from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN, WIDTH
 from woz_tui.protocol.messages import Json
 
 _DEVICE = "ALAudioDevice"
@@ -38,14 +38,13 @@ class TalkPart(NaoqiPart):
         self._sent = False
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
-        """`talk` and `end_talk`, where the file says so."""
-        return () if settings.talk is None else live_talk.VERBS
-
-    @classmethod
-    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
-        """How old a voice is when it is sent."""
-        return () if settings.talk is None else (live_talk.TALK,)
+    def offer(cls, settings: NaoqiSettings) -> Offer:
+        """`talk` and `end_talk`, where the file says so; how old a voice is when it is sent."""
+        return Offer(
+            verbs=() if settings.talk is None else live_talk.VERBS,
+            lacks=TALK_UNWRITTEN if settings.talk is None else {},
+            sensors=() if settings.talk is None else (live_talk.TALK,),
+        )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Let somebody talk, or end that."""

@@ -30,6 +30,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     Forecast,
     Job,
+    Offer,
     RejectedError,
     Scope,
     Verb,
@@ -54,36 +55,38 @@ class VoicePart(NaoqiPart):
         self._speed = settings.voice.speed or 100.0
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """`say` and `read`, and the three settings of the voice."""
         plain = Argument("plain", "flag", "without gestures", default=False)
-        return (
-            common_verb(
-                "say",
-                "speak a sentence; tags for voice and gestures count",
-                plain,
-                limit_s=300.0,
-                markup=("tags", "gestures"),
-            ),
-            Verb(
-                "read",
-                "read a text file out, paragraph by paragraph",
-                (
-                    Argument("file", "file", "a text file, relative to the experiment", True),
+        return Offer(
+            verbs=(
+                common_verb(
+                    "say",
+                    "speak a sentence; tags for voice and gestures count",
                     plain,
+                    limit_s=300.0,
+                    markup=("tags", "gestures"),
                 ),
-                lane=LANE,
-                limit_s=3600.0,
-            ),
-            *(
                 Verb(
-                    *(setting.verb, f"set {setting.what}", (setting.taken(required=True),)),
-                    lane=SETTINGS_LANE,
-                    limit_s=5.0,
-                    brief=True,
-                )
-                for setting in SOUNDS
-            ),
+                    "read",
+                    "read a text file out, paragraph by paragraph",
+                    (
+                        Argument("file", "file", "a text file, relative to the experiment", True),
+                        plain,
+                    ),
+                    lane=LANE,
+                    limit_s=3600.0,
+                ),
+                *(
+                    Verb(
+                        *(setting.verb, f"set {setting.what}", (setting.taken(required=True),)),
+                        lane=SETTINGS_LANE,
+                        limit_s=5.0,
+                        brief=True,
+                    )
+                    for setting in SOUNDS
+                ),
+            )
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

@@ -12,6 +12,7 @@ from woz_tui.drivers.contract import (
     Ask,
     DriverContext,
     Job,
+    Offer,
     PassiveDriver,
     RejectedError,
     Scope,
@@ -62,9 +63,14 @@ class ControlPanel(PassiveDriver):
         self._hinted = False
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+    def offer(cls, settings: Any) -> Offer:
         """It takes the hand's values over at once, where the hand shall win."""
-        return (Verb(TAKE_OVER, "set the robot to the present values of the panel", evidence=""),)
+        return Offer(
+            verbs=(
+                Verb(TAKE_OVER, "set the robot to the present values of the panel", evidence=""),
+            ),
+            part=str(settings.part),
+        )
 
     # -- the bus -------------------------------------------------------------------------------
 
@@ -114,11 +120,6 @@ class ControlPanel(PassiveDriver):
             knob.pickup.forget()
         for button in self._buttons.values():
             button.let_go()
-
-    @classmethod
-    def part(cls, settings: Any) -> str:
-        """As its settings say."""
-        return str(settings.part)
 
     def _ask(self, ask: Ask, done: Callable[[bool, str], None]) -> None:
         self.context.ask(ask, done)

@@ -9,7 +9,7 @@ from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.pepper.joints import HIP_PITCH, HIP_ROLL, hip
 from woz_tui.drivers.argument_values import number
-from woz_tui.drivers.contract import Argument, DriverContext, Job, Scope, Verb
+from woz_tui.drivers.contract import Argument, DriverContext, Job, Offer, Scope, Verb
 from woz_tui.protocol.messages import Json
 
 #: Share of the joints' full speed.
@@ -27,20 +27,24 @@ class HipPart(NaoqiPart):
         self._hip = JointPair(robot, context.clock, joints, (HIP_PITCH, HIP_ROLL), HIP_SPEED, hip)
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: NaoqiSettings) -> Offer:
         """Steps of the hip."""
-        return (
-            Verb(
-                "hip",
-                "bend the hip a step from where it is",
-                (
-                    Argument("pitch", "number", "degrees, forward is positive", False, 0.0, STEP),
-                    Argument("roll", "number", "degrees, left is positive", False, 0.0, STEP),
+        return Offer(
+            verbs=(
+                Verb(
+                    "hip",
+                    "bend the hip a step from where it is",
+                    (
+                        Argument(
+                            "pitch", "number", "degrees, forward is positive", False, 0.0, STEP
+                        ),
+                        Argument("roll", "number", "degrees, left is positive", False, 0.0, STEP),
+                    ),
+                    lane="hip",
+                    limit_s=5.0,
+                    brief=True,
                 ),
-                lane="hip",
-                limit_s=5.0,
-                brief=True,
-            ),
+            )
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

@@ -24,6 +24,7 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Job,
+    Offer,
     RejectedError,
     Scope,
     Verb,
@@ -295,23 +296,23 @@ class TabletPart(NaoqiPart):
         self._signals: list[Unsubscribe] = []
 
     @classmethod
-    def verbs(cls, settings: NaoqiSettings) -> tuple[Verb, ...]:
-        """What the tablet does."""
+    def offer(cls, settings: NaoqiSettings) -> Offer:
+        """What the tablet does, and where it is touched."""
         what = "picture, video or page: a file, or http://...; off: the default"
         command = Argument("what", "choice", "what it does", required=True, choices=_COMMANDS)
-        return (
-            common_verb(
-                "screen",
-                "show something on the tablet",
-                Argument("file", "text", what, required=True),
+        return Offer(
+            verbs=(
+                common_verb(
+                    "screen",
+                    "show something on the tablet",
+                    Argument("file", "text", what, required=True),
+                ),
+                Verb(
+                    "tablet", "the tablet's wifi on; hide what it shows", (command,), lane="screen"
+                ),
             ),
-            Verb("tablet", "the tablet's wifi on; hide what it shows", (command,), lane="screen"),
+            sensors=SENSORS if settings.senses.touch else (),
         )
-
-    @classmethod
-    def sensors(cls, settings: NaoqiSettings) -> tuple[str, ...]:
-        """Where it is touched."""
-        return SENSORS if settings.senses.touch else ()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Returns `shown`: what is on the tablet now. A video is not waited for."""

@@ -15,6 +15,7 @@ from woz_tui.drivers.contract import (
     DriverFacts,
     Finding,
     Health,
+    Offer,
     PassiveDriver,
     Probe,
 )
@@ -62,9 +63,9 @@ class Rangefinder(PassiveDriver):
         self._watch: asyncio.Task[None] | None = None
 
     @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
+    def offer(cls, settings: Any) -> Offer:
         """The distance, and how well it comes in."""
-        return (SENSOR, RATE, BAD)
+        return Offer(sensors=(SENSOR, RATE, BAD))
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

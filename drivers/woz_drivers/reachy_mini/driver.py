@@ -5,13 +5,13 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from woz_drivers.reachy_mini import doctor
 from woz_drivers.reachy_mini.body import ReachyBody
 from woz_drivers.reachy_mini.daemon_link import DaemonLink
 from woz_drivers.reachy_mini.motion import ReachyMotion
 from woz_drivers.reachy_mini.moves import data_set_and_name
-from woz_drivers.reachy_mini.pose import joint_ranges
 from woz_drivers.reachy_mini.senses import ReachySenses
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_drivers.reachy_mini.sounds import ReachySounds
@@ -24,18 +24,17 @@ from woz_tui.drivers.contract import (
     DriverError,
     DriverFacts,
     Finding,
+    Offer,
     Probe,
     RejectedError,
     Scope,
     StopReport,
-    Verb,
     VoiceFound,
     Written,
 )
-from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_parts import RobotOfParts
 from woz_tui.drivers.robot_verbs import known_by
-from woz_tui.drivers.sound_feeds import LISTEN, TALK_UNWRITTEN
+from woz_tui.drivers.sound_feeds import LISTEN
 from woz_tui.protocol.messages import Json
 
 #: The robot is let go within so many seconds.
@@ -85,25 +84,17 @@ class ReachyMini(RobotOfParts[DaemonLink, ReachyMiniSettings]):
         self._told_silent = False
 
     @classmethod
-    def verbs(cls, settings: ReachyMiniSettings) -> tuple[Verb, ...]:
-        """Its daemon answers each when it is over, but gets setpoints of where it looks."""
-        return tuple(
-            known_by("timed", known_by("reported", super().verbs(settings)), "gaze", "nudge")
-        )
-
-    @classmethod
-    def lacks(cls, settings: ReachyMiniSettings) -> Mapping[str, str]:
-        """A live voice, unless the file says so; its microphones are another driver's."""
+    def offer(cls, settings: ReachyMiniSettings) -> Offer:
+        """Its daemon answers each when it is over, but gets setpoints of where it looks. Its
+        microphones are another driver's.
+        """
         ears = (
             "its microphones are heard by a driver of `type: microphone` where they are connected;"
             " docs/how-to/reachy-mini-camera.md has the lines"
         )
-        return {LISTEN: ears, **(TALK_UNWRITTEN if settings.talk is None else {})}
-
-    @classmethod
-    def joints(cls, settings: ReachyMiniSettings) -> Mapping[str, Range]:
-        """Joints with their ranges in degrees, or millimetres."""
-        return joint_ranges()
+        offered = super().offer(settings)
+        verbs = known_by("timed", known_by("reported", offered.verbs), "gaze", "nudge")
+        return replace(offered, verbs=tuple(verbs), lacks={LISTEN: ears, **offered.lacks})
 
     @classmethod
     def remarks(cls, settings: ReachyMiniSettings, written: Written) -> Iterable[Finding]:

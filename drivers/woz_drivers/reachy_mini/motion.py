@@ -17,7 +17,7 @@ from woz_drivers.reachy_mini.moves import (
     PoseFrame,
     data_set_and_name,
 )
-from woz_drivers.reachy_mini.pose import ASLEEP, HOME, Pose, aimed_at, wanted_joints
+from woz_drivers.reachy_mini.pose import ASLEEP, HOME, Pose, aimed_at, joint_ranges, wanted_joints
 from woz_drivers.reachy_mini.senses import ReachySenses
 from woz_drivers.reachy_mini.settings import MODES, SETTINGS, ReachyMiniSettings
 from woz_tui.drivers.argument_values import did_you_mean
@@ -29,6 +29,7 @@ from woz_tui.drivers.contract import (
     DriverError,
     Forecast,
     Job,
+    Offer,
     RejectedError,
     Verb,
 )
@@ -137,13 +138,16 @@ class ReachyMotion(ReachyPart):
         self._lost_by_asking = False
 
     @classmethod
-    def verbs(cls, settings: ReachyMiniSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: ReachyMiniSettings) -> Offer:
         """Poses, moves, emotions, gaze, motors; a body that is followed has the verbs of movement
-        in its place.
+        in its place. Joints are in degrees, or millimetres.
         """
-        return (
-            *(() if settings.follows else _moving(settings)),
-            *(_EMOTION, _RECORDED, *_POWER, _WOBBLE),
+        return Offer(
+            joints=joint_ranges(),
+            verbs=(
+                *(() if settings.follows else _moving(settings)),
+                *(_EMOTION, _RECORDED, *_POWER, _WOBBLE),
+            ),
         )
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:

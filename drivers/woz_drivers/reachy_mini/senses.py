@@ -12,7 +12,7 @@ from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_drivers.reachy_mini.sounds import ReachySounds
 from woz_drivers.sound.noticed_speech import NoticedSpeech
 from woz_tui.drivers.background import Background
-from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError
+from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError, Offer
 from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.motion.safety import finite_number
 
@@ -58,12 +58,14 @@ class ReachySenses(ReachyPart):
         self._states: dict[str, str] = {}
 
     @classmethod
-    def sensors(cls, settings: ReachyMiniSettings) -> tuple[str, ...]:
+    def offer(cls, settings: ReachyMiniSettings) -> Offer:
         """Names of the readings."""
         joints = tuple(f"{kind}.{name}" for name in LIMITS for kind in _kinds(settings))
         face = FACE if settings.looks else ()
         direction = DIRECTION if settings.direction else ()
-        return (*joints, *face, *direction, *((SPEECH,) if settings.hears_speech else ()))
+        return Offer(
+            sensors=(*joints, *face, *direction, *((SPEECH,) if settings.hears_speech else ()))
+        )
 
     async def connected(self) -> None:
         """Look and listen, again and again."""

@@ -31,10 +31,11 @@ from woz_tui.drivers.contract import (
     DriverError,
     Forecast,
     Job,
+    Offer,
     RejectedError,
-    Verb,
 )
 from woz_tui.drivers.robot_verbs import common_verb
+from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.motion.safety import finite_number
 from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
@@ -78,24 +79,25 @@ class ReachySounds(ReachyPart):
             self._talk = LiveTalk(talk, context, program_loudspeaker(words, context))
 
     @classmethod
-    def verbs(cls, settings: ReachyMiniSettings) -> tuple[Verb, ...]:
-        """`say`, `sound`, `volume`; `talk` and `end_talk` where the file says so."""
-        return (
-            common_verb(
-                "say",
-                "speak a sentence with a voice made on this machine",
-                *VOICE_ARGUMENTS,
-                markup=("pause",),
+    def offer(cls, settings: ReachyMiniSettings) -> Offer:
+        """`say`, `sound`, `volume`; `talk` and `end_talk` where the file says so, with how old a
+        voice is when it is sent.
+        """
+        return Offer(
+            verbs=(
+                common_verb(
+                    "say",
+                    "speak a sentence with a voice made on this machine",
+                    *VOICE_ARGUMENTS,
+                    markup=("pause",),
+                ),
+                common_verb("sound", "play a WAV file on the robot", lane=_VOICE),
+                common_verb("volume"),
+                *(() if settings.talk is None else live_talk.VERBS),
             ),
-            common_verb("sound", "play a WAV file on the robot", lane=_VOICE),
-            common_verb("volume"),
-            *(() if settings.talk is None else live_talk.VERBS),
+            lacks=TALK_UNWRITTEN if settings.talk is None else {},
+            sensors=() if settings.talk is None else (live_talk.TALK,),
         )
-
-    @classmethod
-    def sensors(cls, settings: ReachyMiniSettings) -> tuple[str, ...]:
-        """How old a live voice is."""
-        return () if settings.talk is None else (live_talk.TALK,)
 
     @property
     def heard(self) -> bool:

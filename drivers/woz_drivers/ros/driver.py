@@ -36,11 +36,11 @@ from woz_tui.drivers.contract import (
     Finding,
     Forecast,
     Job,
+    Offer,
     Probe,
     RejectedError,
     Scope,
     StopReport,
-    Verb,
     Written,
 )
 from woz_tui.drivers.fields import Range
@@ -111,24 +111,14 @@ class Ros(Driver):
         self._closed = False
 
     @classmethod
-    def verbs(cls, settings: RosSettings) -> tuple[Verb, ...]:
+    def offer(cls, settings: RosSettings) -> Offer:
         """What the file declares, and what follows from it: nudge, poses."""
-        return offered(settings.verbs, settings.drive)
-
-    @classmethod
-    def lacks(cls, settings: Any) -> Mapping[str, str]:
-        """A live voice."""
-        return NO_TALK
-
-    @classmethod
-    def sensors(cls, settings: RosSettings) -> tuple[str, ...]:
-        """What the file declares."""
-        return tuple(settings.sensors)
-
-    @classmethod
-    def joints(cls, settings: RosSettings) -> Mapping[str, Range] | None:
-        """What the file declares."""
-        return {name: Range(*ends, "deg") for name, ends in settings.joints.items()} or None
+        return Offer(
+            verbs=offered(settings.verbs, settings.drive),
+            lacks=NO_TALK,
+            sensors=tuple(settings.sensors),
+            joints={name: Range(*ends, "deg") for name, ends in settings.joints.items()} or None,
+        )
 
     @classmethod
     def remarks(cls, settings: RosSettings, written: Written) -> Iterable[Finding]:

@@ -38,11 +38,11 @@ from woz_tui.drivers.contract import (
     Forecast,
     Health,
     Job,
+    Offer,
     Probe,
     RejectedError,
     Scope,
     StopReport,
-    Verb,
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.sound_feeds import NO_TALK
@@ -116,7 +116,7 @@ class SimulatedRobot(Driver):
     ) -> None:
         super().__init__(name, settings, context)
         self._pace = pace or RobotTime()
-        self._verbs = {verb.name: verb for verb in self.verbs(settings)}
+        self._verbs = {verb.name: verb for verb in self.offer(settings).verbs}
         self._faults = ActiveFaults()
         self._body = SimulatedRobotBody(settings.joints)
         self._body.torque = settings.torque
@@ -163,31 +163,20 @@ class SimulatedRobot(Driver):
         self._closed = False
 
     @classmethod
-    def verbs(cls, settings: _settings.SimulatedSettings) -> tuple[Verb, ...]:
-        """The common verbs, as far as the joints go, and `fault`."""
-        return verbs.offered(settings)
-
-    @classmethod
-    def lacks(cls, settings: Any) -> Mapping[str, str]:
-        """A live voice."""
-        return NO_TALK
-
-    @classmethod
-    def sensors(cls, settings: _settings.SimulatedSettings) -> tuple[str, ...]:
-        """Joints, base, and the visitor's traces if there is one."""
-        return verbs.sensors(settings)
-
-    @classmethod
-    def joints(cls, settings: _settings.SimulatedSettings) -> Mapping[str, Range]:
-        """Joints with their limits in degrees, so that `woz check` finds impossible poses."""
-        return {
-            name: Range(joint.low, joint.high, "degrees") for name, joint in settings.joints.items()
-        }
-
-    @classmethod
-    def outline(cls, settings: _settings.SimulatedSettings) -> dict[str, Json]:
-        """A trunk with a head and a face."""
-        return looks.outline(settings)
+    def offer(cls, settings: _settings.SimulatedSettings) -> Offer:
+        """The common verbs, as far as the joints go, and `fault`; the visitor's traces if there is
+        one. It looks like a trunk with a head and a face.
+        """
+        return Offer(
+            verbs=verbs.offered(settings),
+            lacks=NO_TALK,
+            sensors=verbs.sensors(settings),
+            joints={
+                name: Range(joint.low, joint.high, "degrees")
+                for name, joint in settings.joints.items()
+            },
+            outline=looks.outline(settings),
+        )
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

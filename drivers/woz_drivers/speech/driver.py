@@ -37,11 +37,11 @@ from woz_tui.drivers.contract import (
     Forecast,
     Health,
     Job,
+    Offer,
     Probe,
     RejectedError,
     Scope,
     StopReport,
-    Verb,
     VoiceFound,
     Written,
 )
@@ -93,7 +93,7 @@ class Speech(Driver):
 
     def __init__(self, name: str, settings: SpeechSettings, context: DriverContext) -> None:
         super().__init__(name, settings, context)
-        self._offered = {verb.name for verb in self.verbs(settings)}
+        self._offered = {verb.name for verb in self.offer(settings).verbs}
         self._volume = settings.volume
         self._voice = SpeechSynthesis(settings, context.folder, self._resident_moved)
         #: Why the program that stays loaded makes no sound; None: it does, or there is none.
@@ -116,32 +116,23 @@ class Speech(Driver):
         self._preparing: asyncio.Task[None] | None = None
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        """Speech, sound files, volume; a program that speaks by itself plays no files."""
+    def offer(cls, settings: Any) -> Offer:
+        """Speech, sound files, volume; a program that speaks by itself plays no files. How many
+        utterances are ready, how the program is that makes them, whether somebody talks.
+        """
         made: SpeechSettings = settings
         volume = (_VOLUME,) if made.takes_volume or made.talk is not None else ()
         plays = (_SAY_BY_ITSELF, *volume) if made.speak else (_SAY, _SOUND, *volume)
-        return (*plays, *live_talk.VERBS) if made.talk is not None else plays
+        makes = (PREPARED, *((SYNTHESISER,) if made.resident_voice else ()))
+        senses = () if made.speak else makes
+        if made.talk is None:
+            return Offer(verbs=plays, sensors=senses, lacks=TALK_UNWRITTEN)
+        return Offer(verbs=(*plays, *live_talk.VERBS), sensors=(*senses, live_talk.TALK))
 
     @classmethod
     def remarks(cls, settings: Any, written: Written) -> Iterable[Finding]:
         """Voice settings that the command of this voice does not take."""
         return voice_remarks(settings, written)
-
-    @classmethod
-    def lacks(cls, settings: Any) -> Mapping[str, str]:
-        """A live voice, unless the file says so."""
-        return {} if settings.talk is not None else TALK_UNWRITTEN
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """How many utterances are ready, how the program is that makes them, whether somebody
-        talks.
-        """
-        talk = (live_talk.TALK,) if settings.talk is not None else ()
-        if settings.speak:
-            return talk
-        return (PREPARED, *((SYNTHESISER,) if settings.resident_voice else ()), *talk)
 
     @classmethod
     async def voices(cls, probe: Probe) -> list[VoiceFound]:

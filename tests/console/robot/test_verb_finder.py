@@ -60,7 +60,7 @@ async def test_what_the_robot_does_not_offer_is_not_there() -> None:
 
 def test_pepper_takes_all_of_them() -> None:
     """Names, arguments and choices are those of the driver."""
-    offered = {verb.name: verb for verb in Pepper.verbs(PepperSettings(robots=()))}
+    offered = {verb.name: verb for verb in Pepper.offer(PepperSettings(robots=())).verbs}
     for order in OFFERED_CALLS:
         arguments = {argument.name: argument for argument in offered[order.verb].arguments}
         assert set(order.args) <= set(arguments)

@@ -106,7 +106,7 @@ def test_all_moves_and_modes_run_on_any_body(tmp_path: Path, which: int) -> None
 def test_no_input_makes_any_body_unsafe(tmp_path: Path, which: int) -> None:
     settings = bodies(tmp_path)[which]
     dice = random.Random(which)
-    verbs = Body.verbs(settings)
+    verbs = Body.offer(settings).verbs
 
     def value(kind: str, choices: tuple[str, ...]) -> Json:
         roll = dice.random()

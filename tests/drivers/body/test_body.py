@@ -25,10 +25,10 @@ from woz_tui.protocol.messages import (
 
 
 def test_a_body_without_a_face_has_no_verbs_about_it() -> None:
-    names = {verb.name for verb in Body.verbs(small())}
+    names = {verb.name for verb in Body.offer(small()).verbs}
     assert {"play", "gaze", "pose", "mode", "personality"} <= names
     assert not names & {"emotion", "look", "blink", "brightness"}
-    assert "emotion" in {verb.name for verb in Body.verbs(small(face=FaceShape()))}
+    assert "emotion" in {verb.name for verb in Body.offer(small(face=FaceShape())).verbs}
 
 
 @pytest.mark.parametrize(
@@ -58,14 +58,14 @@ def test_joints_that_servos_let_go_of_on_the_way_to_rest_are_named() -> None:
 
 
 def test_readings_are_declared_as_they_are_published() -> None:
-    assert Body.sensors(small()) == (
+    assert Body.offer(small()).sensors == (
         *("setpoint.pan", "setpoint.tilt", "joint.pan", "joint.tilt", "tick"),
     )
-    assert Body.sensors(small(servos="head")) == ("setpoint.pan", "setpoint.tilt", "tick")
+    assert Body.offer(small(servos="head")).sensors == ("setpoint.pan", "setpoint.tilt", "tick")
 
 
 def test_its_outline_is_that_of_a_body() -> None:
-    found = Body.outline(small(face=FaceShape()))
+    found = Body.offer(small(face=FaceShape())).outline
     assert found["kind"] == "body"
     joints = found["joints"]
     assert isinstance(joints, list)

@@ -120,7 +120,7 @@ def test_a_body_without_servos_knows_of_no_joint(tmp_path: Path) -> None:
     played_body(tmp_path, story)
     assert job.evidences == []
     alone, moved = (
-        {verb.name: verb.evidence for verb in Body.verbs(small(**servos))}
+        {verb.name: verb.evidence for verb in Body.offer(small(**servos)).verbs}
         for servos in ({}, {"servos": "head"})
     )
     assert (alone["pose"], moved["pose"], moved["gaze"], alone["mode"]) == (

@@ -48,7 +48,7 @@ def test_readings_come_ten_times_a_second(tmp_path: Path) -> None:
     assert len(rig.published.values("joint.pan")) == len(rig.published.values("setpoint.pan"))
     assert 2 <= len(rig.published.values("tick")) <= 3
     assert {one.sensor for one in rig.published.all(Reading)} <= set(
-        Body.sensors(rig.body.settings)
+        Body.offer(rig.body.settings).sensors
     )
     assert [one.detail for one in rig.published.all(DriverConnected)] == [
         "2 joints at 50 Hz, without servos"

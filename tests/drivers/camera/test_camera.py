@@ -192,8 +192,8 @@ async def test_it_only_looks_and_leaves_nothing_behind(begin: Begin, pipe: Piped
     await camera.rest()
     await camera.close()
     assert offspring(saying=str(pipe.path)) == []
-    assert Camera.verbs(CameraSettings()) == ()
-    assert Camera.sensors(CameraSettings()) == ("seen.x", "seen.y", "seen.size")
+    assert Camera.offer(CameraSettings()).verbs == ()
+    assert Camera.offer(CameraSettings()).sensors == ("seen.x", "seen.y", "seen.size")
 
 
 # -- woz doctor ------------------------------------------------------------------------------------

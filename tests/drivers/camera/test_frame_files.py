@@ -79,7 +79,7 @@ def pixels(path: Path) -> np.ndarray[Any, Any]:
 async def test_nothing_is_saved_unless_the_file_asks(shelves: Any) -> None:
     shelf = await shelves()
     await shelf.film(picture(), picture())
-    assert Camera.verbs(shelf.camera.settings) == ()
+    assert Camera.offer(shelf.camera.settings).verbs == ()
     with pytest.raises(RejectedError):
         await shelf.switch(on=True)
     assert not shelf.published.context.media.exists()
@@ -87,7 +87,7 @@ async def test_nothing_is_saved_unless_the_file_asks(shelves: Any) -> None:
 
 async def test_a_key_switches_it_on_and_off(shelves: Any) -> None:
     shelf = await shelves(FrameSettings())
-    assert Camera.verbs(shelf.camera.settings) == (VERB,)
+    assert Camera.offer(shelf.camera.settings).verbs == (VERB,)
     await shelf.film(picture())
     begun = await shelf.switch(on=True)
     films = [with_block(1, 2), with_block(5, 6)]

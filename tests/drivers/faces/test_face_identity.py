@@ -115,9 +115,9 @@ async def rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[
 
 def test_nobody_is_recognised_unless_the_robot_file_says_so() -> None:
     quiet, faces_settings = FacesSettings(), FacesSettings(identity=True)
-    verbs = [{verb.name for verb in Faces.verbs(one)} for one in (quiet, faces_settings)]
+    verbs = [{verb.name for verb in Faces.offer(one).verbs} for one in (quiet, faces_settings)]
     assert verbs[1] - verbs[0] == {"face_consent", "learn_face"}
-    sensors = [set(Faces.sensors(one)) for one in (quiet, faces_settings)]
+    sensors = [set(Faces.offer(one).sensors) for one in (quiet, faces_settings)]
     assert sensors[1] - sensors[0] == {"identity", "identity.face"}
 
 

@@ -43,7 +43,7 @@ class FurhatRig:
 
     def begin(self, verb: str, **args: Any) -> asyncio.Task[Mapping[str, Json]]:
         """Perform a verb in the background, as a lane does: with its defaults filled in."""
-        offered = {one.name: one for one in Furhat.verbs(self.driver.settings)}
+        offered = {one.name: one for one in Furhat.offer(self.driver.settings).verbs}
         defaults = {one.name: one.default for one in offered[verb].arguments}
         self.jobs.append(PlainJob(verb, defaults | args))
         task = asyncio.create_task(self.driver.perform(self.jobs[-1]))

@@ -52,9 +52,9 @@ def test_what_no_robot_takes_is_told_by_its_place() -> None:
 
 def test_gestures_of_the_file_can_be_played_and_completed() -> None:
     settings = FurhatSettings(gestures={"doubt": (GestureFrame(0.5),)})
-    play = next(verb for verb in Furhat.verbs(settings) if verb.name == "play")
+    play = next(verb for verb in Furhat.offer(settings).verbs if verb.name == "play")
     assert {"doubt", "nod", "Nod", "wave"} <= {*play.arguments[0].choices}
-    assert "doubt" in Furhat.outline(settings)["moves"]  # type: ignore[operator]
+    assert "doubt" in Furhat.offer(settings).outline["moves"]  # type: ignore[operator]
 
 
 async def test_the_doctor_tells_what_the_robot_has(

@@ -361,7 +361,7 @@ async def test_a_robot_that_goes_ends_a_live_voice(talk: Talk) -> None:
 
 
 def test_a_live_voice_is_offered_only_where_the_file_says_so() -> None:
-    names = {verb.name for verb in Furhat.verbs(FurhatSettings())}
+    names = {verb.name for verb in Furhat.offer(FurhatSettings()).verbs}
     assert not names & live_talk.NAMES
     told = FurhatSettings(talk=FurhatTalkSettings(through='sox "')).problems()
     assert [path for path, _ in told] == ["talk.through"]

@@ -259,7 +259,7 @@ async def test_a_session_hears_which_part_did_not_confirm(rig: FurhatRig) -> Non
     messages: list[Message] = []
     hub = Hub(rig.context.clock, lambda message, line: None)
     hub.listen(messages.append)
-    bus = Bus(hub, {"it": rig.driver}, {"it": rig.driver.verbs(rig.driver.settings)})
+    bus = Bus(hub, {"it": rig.driver}, {"it": rig.driver.offer(rig.driver.settings).verbs})
     hub.publish(DriverConnected(driver="it"))
     rig.robot.gestures_end_early = False
     orders: dict[str, dict[str, Json]] = {

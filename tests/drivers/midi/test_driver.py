@@ -214,7 +214,7 @@ async def test_unknown_messages_and_free_controls_do_nothing(tmp_path: Path) -> 
 
 @pytest.mark.toolkit("K2")
 async def test_the_console_gets_a_picture_and_its_values(tmp_path: Path) -> None:
-    drawn = MidiPanel.outline(MidiSettings(map="thesis"))
+    drawn = MidiPanel.offer(MidiSettings(map="thesis")).outline
     assert drawn["kind"] == "panel"
     controls = drawn["controls"]
     assert isinstance(controls, list)

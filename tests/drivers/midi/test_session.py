@@ -164,7 +164,7 @@ def test_everything_a_control_of_a_panel_does_a_key_does_too(tmp_path: Path) -> 
         f"  - title: P\n    actions:\n{actions}"
     )
     experiment = load(tmp_path / "it.yaml", plugins.installed())
-    verbs = {verb.name: verb for verb in experiment.drivers[0].verbs}
+    verbs = {verb.name: verb for verb in experiment.drivers[0].offer.verbs}
     by_name = {action.name: action for panel in experiment.panels for action in panel.actions}
     assert set(by_name) == set(keyed)
     for name, ask in keyed.items():

@@ -192,13 +192,13 @@ async def test_either_camera_gives_pictures(robot_rig: RobotRig) -> None:
 
 
 async def test_the_screen_offers_its_postures_and_no_tablet(robot_rig: RobotRig) -> None:
-    told = RobotOutline.read(Nao.outline(NaoSettings(address="nao.local")))
+    told = RobotOutline.read(Nao.offer(NaoSettings(address="nao.local")).outline)
     assert told is not None
     lines = {line.name: line for line in told.settings}
     assert "Sit" in lines["posture"].choices
     assert "tablet" not in lines
     assert told.robots == ["nao.local", "simulated"]
-    assert not {"screen", "tablet", "hip"} & {verb.name for verb in Nao.verbs(NaoSettings())}
+    assert not {"screen", "tablet", "hip"} & {verb.name for verb in Nao.offer(NaoSettings()).verbs}
     settings_shown = await robot_rig.tells(lambda one: set(lines) <= set(one.values))
     assert settings_shown.values["posture"] == "Stand"
 

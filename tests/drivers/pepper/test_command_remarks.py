@@ -83,7 +83,9 @@ def test_what_is_right_is_left_alone(tmp_path: Path) -> None:
         ("naoqi", "ALMotion.getSummary"),
         ("connect", ""),
     ]
-    mains = {verb.name: verb.arguments[0].name for verb in Pepper.verbs(SETTINGS) if verb.arguments}
+    mains = {
+        verb.name: verb.arguments[0].name for verb in Pepper.offer(SETTINGS).verbs if verb.arguments
+    }
     for verb, value in right:
         assert remarks_of(tmp_path, verb, **{mains[verb]: value}) == [], (verb, value)
     assert remarks_of(tmp_path, "disconnect") == []
@@ -138,11 +140,11 @@ def test_a_name_with_a_variable_in_it_is_not_judged(
 
 
 @given(
-    st.sampled_from(sorted({verb.name for verb in Pepper.verbs(SETTINGS)})),
+    st.sampled_from(sorted({verb.name for verb in Pepper.offer(SETTINGS).verbs})),
     st.text(max_size=30) | st.text("\\^=(){}/~.:@a1 \0", max_size=30),
 )
 def test_whatever_is_written_is_looked_at(verb: str, text: str) -> None:
-    offered = {one.name: one for one in Pepper.verbs(SETTINGS)}[verb]
+    offered = {one.name: one for one in Pepper.offer(SETTINGS).verbs}[verb]
     args: dict[str, Json] = {
         argument.name: text for argument in offered.arguments if argument.kind in ("text", "file")
     }

@@ -42,21 +42,22 @@ VERBS = {
 
 def test_verbs_lanes_joints_and_sensors_are_those_that_files_rely_on() -> None:
     settings = PepperSettings(robots=())
-    verbs = {verb.name: verb for verb in Pepper.verbs(settings)}
+    verbs = {verb.name: verb for verb in Pepper.offer(settings).verbs}
     assert set(verbs) == VERBS
     assert verbs["gaze"].stream
     assert [name for name, verb in verbs.items() if verb.drives] == ["drive"]
     assert {verbs[name].lane for name in ("play", "posture", "pose", "home", "torque")} == {"body"}
-    assert Pepper.joints(settings)["HeadPitch"].low == -40.5
+    joints = Pepper.offer(settings).joints or {}
+    assert joints["HeadPitch"].low == -40.5
     assert {"distance", "loudness", "presence", "gaze", "battery", "touch.x"} <= set(
-        Pepper.sensors(settings)
+        Pepper.offer(settings).sensors
     )
 
 
 def test_every_setting_is_changed_by_a_verb_that_takes_it() -> None:
     settings = PepperSettings(robots=("simulated",))
-    verbs = {verb.name: verb for verb in Pepper.verbs(settings)}
-    told = RobotOutline.read(Pepper.outline(settings))
+    verbs = {verb.name: verb for verb in Pepper.offer(settings).verbs}
+    told = RobotOutline.read(Pepper.offer(settings).outline)
     assert told is not None
     for line in told.settings:
         if line.verb:
@@ -202,7 +203,7 @@ async def test_a_call_that_never_returns_keeps_nobody_from_leaving_or_changing_t
         settings = PepperSettings(robots=(robot.address,), senses=QUIET)
         driver = Pepper("it", settings, published.context)
         hub = Hub(published.clock, lambda message, line: None)
-        bus = Bus(hub, {"it": driver}, {"it": Pepper.verbs(settings)})
+        bus = Bus(hub, {"it": driver}, {"it": Pepper.offer(settings).verbs})
 
         def send(name: str, **args: Json) -> asyncio.Future[End]:
             end: asyncio.Future[End] = asyncio.get_running_loop().create_future()

@@ -181,7 +181,7 @@ async def test_a_robot_that_is_slow_costs_sound_and_no_time(tmp_path: Path, robo
 
 
 async def test_without_the_setting_nobody_can_talk(tmp_path: Path, robot: StandIn) -> None:
-    assert TalkPart.verbs(PepperSettings(robots=())) == ()
+    assert TalkPart.offer(PepperSettings(robots=())).verbs == ()
     async with connected_part(TalkPart, tmp_path, robot) as rig:
         with pytest.raises(RejectedError) as raised:
             await rig.do("talk")

@@ -33,7 +33,7 @@ def wanted(settings: PepperSettings = ONE) -> DesiredSettings:
 
 
 def test_the_outline_is_read_by_the_console_and_has_every_setting() -> None:
-    told = RobotOutline.read(Pepper.outline(ONE))
+    told = RobotOutline.read(Pepper.offer(ONE).outline)
     assert told is not None
     assert sorted(line.name for line in told.settings) == sorted(PEPPER.settings)
     assert told.robots == ["10.0.0.1", "10.0.0.2", "simulated"]

@@ -146,9 +146,9 @@ async def test_a_lost_robot_ends_what_somebody_says(listens: Listens, robot: Sta
 
 
 def test_it_listens_only_where_there_is_something_to_understand() -> None:
-    assert RecognitionPart.sensors(PepperSettings(robots=())) == ()
+    assert RecognitionPart.offer(PepperSettings(robots=())).sensors == ()
     hears = PepperSettings(robots=(), recognition=HEARS)
-    assert RecognitionPart.sensors(hears) == (SPEECH, SPEECH_TEXT)
+    assert RecognitionPart.offer(hears).sensors == (SPEECH, SPEECH_TEXT)
 
 
 @pytest.mark.parametrize(

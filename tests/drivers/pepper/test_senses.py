@@ -85,7 +85,7 @@ async def test_somebody_is_read_by_all_senses(sense: Sense, robot: StandIn) -> N
             ALL, "ok"
         )
         assert rig.notices == []
-    assert SensesPart.sensors(PepperSettings(robots=())) == (
+    assert SensesPart.offer(PepperSettings(robots=())).sensors == (
         *("distance", "presence", "people", "nearest", "gaze", "identity"),
         *("direction", "loudness", "battery"),
     )
@@ -105,7 +105,7 @@ async def test_a_face_gets_a_name(sense: Sense, robot: StandIn) -> None:
         with pytest.raises(RejectedError):
             await rig.do("learn_face", name=" ")
     blind = PepperSettings(robots=(), senses=SensesSettings(people=False))
-    assert SensesPart.verbs(blind) == ()
+    assert SensesPart.offer(blind).verbs == ()
 
 
 @pytest.mark.naoqi("ALFaceDetection.forgetPerson", "ALFaceDetection.getLearnedFacesList")
@@ -310,7 +310,7 @@ async def test_only_what_the_file_wants_is_read(sense: Sense, robot: StandIn) ->
         called = {call.name for call in await robot.trace()}
         assert "ALAudioDevice.enableEnergyComputation" not in called
         assert "ALPeoplePerception.subscribe" not in called
-    assert SensesPart.sensors(PepperSettings(robots=(), senses=few)) == (
+    assert SensesPart.offer(PepperSettings(robots=(), senses=few)).sensors == (
         "distance",
         "battery",
     )

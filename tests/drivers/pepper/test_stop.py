@@ -219,7 +219,7 @@ async def test_the_bus_ends_the_jobs_and_names_the_parts(tmp_path: Path) -> None
         told: list[Message] = []
         hub = Hub(rig.published.clock, lambda message, line: None)
         hub.listen(told.append)
-        bus = Bus(hub, {"it": rig.driver}, {"it": Pepper.verbs(PepperSettings(robots=()))})
+        bus = Bus(hub, {"it": rig.driver}, {"it": Pepper.offer(PepperSettings(robots=())).verbs})
         hub.publish(DriverConnected(driver="it"))
         for verb, value in (("say", LONG), ("drive", 5.0), ("play", "Waiting/ShowSky_1")):
             args: dict[str, Json] = {

@@ -64,8 +64,8 @@ async def test_touches_that_nobody_wants_are_not_listened_to(
         await robot.touch(0.5, 0.5)
         await rig.do("tablet", what="hide")
         assert rig.published.values("touch.x") == []
-    assert TabletPart.sensors(PepperSettings(robots=(), senses=none)) == ()
-    assert TabletPart.sensors(PepperSettings(robots=())) == SENSORS
+    assert TabletPart.offer(PepperSettings(robots=(), senses=none)).sensors == ()
+    assert TabletPart.offer(PepperSettings(robots=())).sensors == SENSORS
 
 
 class TouchedRobot:

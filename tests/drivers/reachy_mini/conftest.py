@@ -39,7 +39,9 @@ class ReachyRig:
 
     def job(self, verb: str, **args: Any) -> PlainJob:
         """A command with its defaults, as the bus gives it."""
-        [offered] = [one for one in self.driver.verbs(self.driver.settings) if one.name == verb]
+        [offered] = [
+            one for one in self.driver.offer(self.driver.settings).verbs if one.name == verb
+        ]
         defaults = {one.name: one.default for one in offered.arguments if one.default is not None}
         self.jobs.append(PlainJob(verb, {**defaults, **args}))
         return self.jobs[-1]

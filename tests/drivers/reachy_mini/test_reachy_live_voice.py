@@ -64,7 +64,7 @@ async def test_a_daemon_that_goes_ends_a_live_voice(folder: Path) -> None:
 
 
 def test_a_live_voice_goes_to_the_robots_loudspeaker_where_the_file_says_so() -> None:
-    assert "talk" not in {verb.name for verb in ReachyMini.verbs(ReachyMiniSettings())}
+    assert "talk" not in {verb.name for verb in ReachyMini.offer(ReachyMiniSettings()).verbs}
     plays = PlayedTalkSettings().play_words(LOUDSPEAKER)
     assert plays[:4] == ("aplay", "-q", "-D", "plug:reachymini_audio_sink")
     wrong = ReachyMiniSettings(talk=PlayedTalkSettings(play='aplay "'))

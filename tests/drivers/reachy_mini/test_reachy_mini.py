@@ -602,7 +602,7 @@ async def test_its_camera_and_microphones_are_let_go_and_taken_back(folder: Path
     async with reachy(folder, robot, release_media=True) as rig:
         assert robot.released and not robot.tracking
         # Other drivers see and hear in its place; it plays sounds, and tells the direction.
-        assert {"presence", "speech"}.isdisjoint(rig.driver.sensors(rig.driver.settings))
+        assert {"presence", "speech"}.isdisjoint(rig.driver.offer(rig.driver.settings).sensors)
         robot.doa = (math.radians(60), True)
         await until(lambda: rig.context.of("direction") != [])
         assert rig.context.told == []
@@ -673,7 +673,7 @@ async def test_a_face_is_nobodys_while_another_program_has_the_camera(rig: Reach
 
 async def test_it_follows_a_body_slowly_at_first(folder: Path) -> None:
     async with reachy(folder, follows="body", twitches=0.0) as rig:
-        assert "play" not in {verb.name for verb in rig.driver.verbs(rig.driver.settings)}
+        assert "play" not in {verb.name for verb in rig.driver.offer(rig.driver.settings).verbs}
         feed = rig.context.feed(SETPOINTS, of="body")
 
         def wants(pan: float) -> None:

@@ -109,7 +109,7 @@ class RosRig:
         """A command that is under way."""
         defaults = {
             one.name: one.default
-            for offered in Ros.verbs(self.driver.settings)
+            for offered in Ros.offer(self.driver.settings).verbs
             if offered.name == verb
             for one in offered.arguments
         }

@@ -157,7 +157,7 @@ async def test_what_nobody_listens_to_is_not_done(ros: int) -> None:
 
 
 async def test_a_robot_says_how_much_it_can_know_of_each_verb() -> None:
-    known = {verb.name: verb.evidence for verb in Ros.verbs(settings())}
+    known = {verb.name: verb.evidence for verb in Ros.offer(settings()).verbs}
     assert known == {
         **{"say": "reported", "play": "reported", "volume": "reported", "drive": "measured"},
         **dict.fromkeys(("gaze", "nudge", "emotion", "pose", "poses"), "timed"),
@@ -372,7 +372,9 @@ async def test_a_stop_of_driving_ends_an_action_that_drives() -> None:
     text = ROBOT.replace("values: {move", "drives: true\n    values: {move")
     async with connected_ros(settings(text)) as rig:
         rig.robot.goal_s = FOR_EVER_S
-        assert next(one for one in Ros.verbs(rig.driver.settings) if one.name == "play").drives
+        assert next(
+            one for one in Ros.offer(rig.driver.settings).verbs if one.name == "play"
+        ).drives
         task = rig.begin("play", move="wave")
         await until(lambda: bool(rig.robot.goals))
         assert await rig.driver.stop(Scope.DRIVE) == StopReport(("driving", "play"))

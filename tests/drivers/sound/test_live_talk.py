@@ -535,9 +535,11 @@ async def test_a_disk_that_takes_nothing_is_told_and_the_voice_is_heard(
 
 
 def test_it_is_offered_only_where_the_file_says_so() -> None:
-    names = {verb.name for verb in Speech.verbs(SpeechSettings())}
+    names = {verb.name for verb in Speech.offer(SpeechSettings()).verbs}
     assert not names & {"talk", "end_talk"}
-    offered = {verb.name: verb for verb in Speech.verbs(SpeechSettings(talk=PlayedTalkSettings()))}
+    offered = {
+        verb.name: verb for verb in Speech.offer(SpeechSettings(talk=PlayedTalkSettings())).verbs
+    }
     assert offered["talk"].drives, "it ends when nobody watches"
     assert not offered["talk"].waits, "a second press is no voice that is on later"
 

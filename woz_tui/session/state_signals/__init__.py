@@ -120,7 +120,7 @@ class StateSignals:
 
 def _offering(experiment: Experiment, name: str) -> Iterator[tuple[str, Verb]]:
     for spec in experiment.drivers:
-        for verb in spec.verbs:
+        for verb in spec.offer.verbs:
             if verb.name == name:
                 yield spec.name, verb
 

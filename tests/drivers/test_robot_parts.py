@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import pytest
 
@@ -91,7 +91,7 @@ class Light(RobotPart[LampLink, LampSettings]):
         self._link.sent.append(f"level {self._level}")
         return {"level": self._level}
 
-    async def halt(self) -> Sequence[asyncio.Future[Any]]:
+    async def halt(self, scope: Scope) -> Sequence[asyncio.Future[Any]]:
         self._link.sent.append("steady")
         return ()
 
@@ -112,7 +112,7 @@ class Turntable(RobotPart[LampLink, LampSettings]):
     def offer(cls, settings: LampSettings) -> Offer:
         return Offer(verbs=(common_verb("play", choices=("circle",)),))
 
-    async def halt(self) -> Sequence[asyncio.Future[Any]]:
+    async def halt(self, scope: Scope) -> Sequence[asyncio.Future[Any]]:
         return (asyncio.ensure_future(self._link.stands.wait()),)
 
     def resume(self) -> None:
@@ -124,7 +124,7 @@ class LampRobot(RobotOfParts[LampLink, LampSettings]):
 
     Settings = LampSettings
     summary = "a lamp on a turntable"
-    PARTS = (Light, Turntable)
+    PARTS: ClassVar[tuple[type[RobotPart[Any, Any]], ...]] = (Light, Turntable)
     called = "a lamp"
 
     def __init__(self, name: str, settings: LampSettings, context: DriverContext) -> None:
@@ -137,6 +137,26 @@ class LampRobot(RobotOfParts[LampLink, LampSettings]):
         """The lamp is there."""
         self.link.ready = True
         await self._connected()
+
+
+class Wheels(RobotPart[LampLink, LampSettings]):
+    """Carries it through the room."""
+
+    name = "driving"
+
+    @classmethod
+    def offer(cls, settings: LampSettings) -> Offer:
+        return Offer(verbs=(common_verb("drive"),))
+
+    async def halt(self, scope: Scope) -> Sequence[asyncio.Future[Any]]:
+        self._link.sent.append("brake")
+        return ()
+
+
+class RollingLampRobot(LampRobot):
+    """The same on wheels."""
+
+    PARTS = (Light, Turntable, Wheels)
 
 
 @pytest.fixture
@@ -198,6 +218,21 @@ async def test_each_part_confirms_its_own_share_of_the_stop(
     assert await robot.stop(Scope.ALL) == StopReport(("light", "motion"))
     await robot.resume()
     assert robot.link.sent == ["steady", "steady", "may turn"]
+
+
+async def test_a_stop_of_driving_reaches_what_drives_and_gives_no_other_stop_up(
+    context: RecordingContext, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot = RollingLampRobot("lamp", LampSettings(), context)
+    await robot.comes()
+    assert await robot.stop(Scope.DRIVE) == StopReport(("driving",))
+    assert robot.link.sent == ["brake"]
+    monkeypatch.setattr(confirmed_stop, "STOP_S", 5.0)
+    robot.link.stands.set()
+    everything = asyncio.ensure_future(robot.stop(Scope.ALL))
+    await asyncio.sleep(0)  # it is under way
+    assert await robot.stop(Scope.DRIVE) == StopReport(("driving",))
+    assert await everything == StopReport(("driving", "light", "motion"))
 
 
 async def test_nothing_is_done_after_the_end(robot: LampRobot) -> None:

@@ -65,7 +65,7 @@ class RejectedError(DriverError):
 
 
 class Scope(enum.Enum):
-    """What a stop reaches."""
+    """What a stop reaches: everything, or what verbs with `drives` do."""
 
     ALL = "all"
     DRIVE = "drive"
@@ -546,9 +546,10 @@ class Performer(Protocol):
         """Stand still, fall silent; return when it has really happened, within 0.5 s.
 
         Called at once, whatever else is under way; jobs are being cancelled at the same time. With
-        `Scope.DRIVE` only what moves through the room ends. A driver of one part returns nothing;
-        one of several may report each. It may come before `open`: then nothing moves by itself,
-        and no torque goes on, before `resume`.
+        `Scope.DRIVE`, while nobody watches, only what verbs with `drives` do ends: it stops driving
+        through the room, and nobody talks through it live; what it says and plays itself goes on. A
+        driver of one part returns nothing; one of several may report each. It may come before
+        `open`: then nothing moves by itself, and no torque goes on, before `resume`.
 
         Raises:
             DriverError: It did not stop, or nobody knows.

@@ -88,10 +88,13 @@ class RobotPart(Generic[L, S]):
         """Carry out one of its verbs."""
         raise RejectedError(f"{self.name or 'this part'} cannot {job.verb}")
 
-    def hold(self) -> None:
-        """The stop, here: begin and send nothing more of what went on, also when it is back."""
+    def hold(self, scope: Scope) -> None:
+        """The stop, here: begin and send nothing more of what went on, also when it is back.
 
-    async def halt(self) -> Sequence[asyncio.Future[Any]]:
+        `Scope.DRIVE` reaches parts with a verb that drives alone, and ends nothing but that.
+        """
+
+    async def halt(self, scope: Scope) -> Sequence[asyncio.Future[Any]]:
         """The stop, there: send what ends it; returns what has to come before it has ended."""
         return ()
 
@@ -137,9 +140,12 @@ class RobotOfParts(Driver, Generic[LinkT, S]):
         super().__init__(name, settings, context)
         self._link = link
         self._parts = parts
+        offered = [(part, part.offer(settings).verbs) for part in parts]
         self._by_verb: Mapping[str, RobotPart[Any, S]] = {
-            verb.name: part for part in parts for verb in part.offer(settings).verbs
+            verb.name: part for part, verbs in offered for verb in verbs
         }
+        #: What a stop of driving reaches.
+        self._drive = [part for part, verbs in offered if any(verb.drives for verb in verbs)]
         self._stops = BackgroundTasks("a stop")
         self._shown: dict[str, Json] = {}
         self._closed = False
@@ -188,26 +194,25 @@ class RobotOfParts(Driver, Generic[LinkT, S]):
             self._show()
 
     async def stop(self, scope: Scope) -> StopReport | None:
-        """Stop every part at once; each confirms when what it waits for has come.
-
-        Nothing of it moves through the room. What is late goes on until the release.
+        """Stop every part at once, or those that drive; each confirms when what it waits for has
+        come. What is late goes on until the release.
         """
-        if scope is not Scope.ALL:
+        parts = self._parts if scope is Scope.ALL else self._drive
+        for part in parts:
+            part.hold(scope)
+        if not parts or not self._link.ready:
             return None
-        for part in self._parts:
-            part.hold()
-        if not self._link.ready:
-            return None
-        self._stops.cancel()
+        if scope is Scope.ALL:
+            self._stops.cancel()
         loop = asyncio.get_running_loop()
         until = loop.time() + confirmed_stop.STOP_S
-        halts = [self._stops.start(part.halt()) for part in self._parts]
+        halts = [self._stops.start(part.halt(scope)) for part in parts]
         await wait_at_most(halts, until - loop.time(), confirmed_stop.AGAIN_S)
         taken = self._taken()
         unknown = loop.create_future()  # what would end a part that has not said it yet
         ends = {
             part.name: [*taken, halt, *(halt.result() if succeeded(halt) else (unknown,))]
-            for part, halt in zip(self._parts, halts, strict=True)
+            for part, halt in zip(parts, halts, strict=True)
             if part.name
         }
         return await confirmed_within(until - loop.time(), ends)

@@ -41,6 +41,7 @@ from woz_tui.drivers.contract import (
     Job,
     Offer,
     RejectedError,
+    Scope,
     Verb,
 )
 from woz_tui.drivers.fields import Range
@@ -139,12 +140,12 @@ class FurhatFace(FurhatPart):
                 return await self._configure(job)
         return await super().perform(job)
 
-    def hold(self) -> None:
+    def hold(self, scope: Scope) -> None:
         """What is sent from here ends; the face keeps nothing of a gesture of ours."""
         self._stops += 1
         self._played.clear()
 
-    async def halt(self) -> list[asyncio.Future[Any]]:
+    async def halt(self, scope: Scope) -> list[asyncio.Future[Any]]:
         """End gestures; the expression stays."""
         gesture = self._gesture
         if gesture is None or gesture.over.done():
@@ -372,7 +373,7 @@ class FurhatFace(FurhatPart):
 
     def lost(self) -> None:
         """What moves the face ends."""
-        self.hold()
+        self.hold(Scope.ALL)
 
 
 def _bounded(params: Mapping[str, float]) -> dict[str, float]:

@@ -14,7 +14,7 @@ from woz_drivers.furhat.link import Exchange, FurhatLink, FurhatPart
 from woz_drivers.furhat.realtime_events import AttendStatus, Place
 from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_tui.drivers.argument_values import number, text
-from woz_tui.drivers.contract import Argument, DriverContext, Job, Offer, Verb
+from woz_tui.drivers.contract import Argument, DriverContext, Job, Offer, Scope, Verb
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
@@ -134,13 +134,13 @@ class FurhatHead(FurhatPart):
         """Who is there now, by id."""
         self._seen = users
 
-    def hold(self) -> None:
+    def hold(self, scope: Scope) -> None:
         """Whom it follows it follows no further, also when the robot is back."""
         if self._followed and self._followed != "nobody":
             self._yaw, self._pitch = self.direction()
             self._followed = ""
 
-    async def halt(self) -> list[asyncio.Future[Any]]:
+    async def halt(self, scope: Scope) -> list[asyncio.Future[Any]]:
         """Hold the gaze of a robot that follows somebody."""
         if self._asked != "user":
             return []

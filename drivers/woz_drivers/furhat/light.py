@@ -10,7 +10,7 @@ from woz_drivers.furhat.link import FurhatLink, FurhatPart
 from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_tui.drivers.argument_values import color, word
 from woz_tui.drivers.background import Background
-from woz_tui.drivers.contract import DeviceLostError, DriverContext, Job, Offer
+from woz_tui.drivers.contract import DeviceLostError, DriverContext, Job, Offer, Scope
 from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS, common_verb
 from woz_tui.protocol.messages import Json
 
@@ -46,12 +46,12 @@ class FurhatLight(FurhatPart):
         self._begin_loop()
         return {"color": shown, "animation": animation}
 
-    def hold(self) -> None:
+    def hold(self, scope: Scope) -> None:
         """It comes and goes no more, also when the robot is back."""
         self._loop.cancel()
         self._animation = "steady"
 
-    async def halt(self) -> list[asyncio.Future[object]]:
+    async def halt(self, scope: Scope) -> list[asyncio.Future[object]]:
         """The light stays, also one that was just dark."""
         if self._color:
             await self._link.send("request.led.set", color=self._color)

@@ -37,6 +37,7 @@ from woz_tui.drivers.contract import (
     Job,
     Offer,
     RejectedError,
+    Scope,
     Verb,
 )
 from woz_tui.drivers.fields import Range
@@ -91,6 +92,8 @@ class FurhatSpeech(FurhatPart):
             self._talk = LiveTalk(talk, context, lambda tally: self._open(tally, talk))
         #: Whose voice is sent now.
         self._live: _LiveUtterance | None = None
+        #: Such a voice, the latest, as the robot was asked to play it.
+        self._live_exchange: Exchange[SpeakEnded] | None = None
 
     @classmethod
     def offer(cls, settings: FurhatSettings) -> Offer:
@@ -155,19 +158,26 @@ class FurhatSpeech(FurhatPart):
                 return {"level": level}
         return await super().perform(job)
 
-    def hold(self) -> None:
+    def hold(self, scope: Scope) -> None:
         """Send no more of a sound, or of a voice."""
-        self._sending.cancel()
+        if scope is Scope.ALL:
+            self._sending.cancel()
         if self._live is not None:
             self._live.voice.silence()
 
-    async def halt(self) -> list[asyncio.Future[Any]]:
-        """Fall silent, whoever speaks through it."""
+    async def halt(self, scope: Scope) -> list[asyncio.Future[Any]]:
+        """Fall silent, whoever speaks through it; while nobody watches only who talks live, or was
+        just cut short: nothing else is heard meanwhile.
+        """
         spoken = self._spoken
+        going = spoken is not None and not spoken.over.done()
+        live = self._live is not None or (going and spoken is self._live_exchange)
+        if scope is Scope.DRIVE and not live:
+            return []
         await self._link.send("request.speak.stop")
         if self._talk is not None:
             await self._talk.stop()
-        return [] if spoken is None or spoken.over.done() else [spoken.over]
+        return [spoken.over] if spoken is not None and going else []
 
     async def connected(self) -> None:
         """Set voice and volume; say nothing that was begun before."""
@@ -342,7 +352,10 @@ class FurhatSpeech(FurhatPart):
 
     async def begin_live(self, rate: int, lipsync: bool) -> Exchange[SpeakEnded]:
         """Begin a sound of which nobody knows how long it lasts. Raises `DeviceLostError`."""
-        return await self._begin("request.speak.audio.start", sample_rate=rate, lipsync=lipsync)
+        self._live_exchange = exchange = await self._begin(
+            "request.speak.audio.start", sample_rate=rate, lipsync=lipsync
+        )
+        return exchange
 
     async def send_live(self, pcm: bytes) -> None:
         """A piece of it. Raises `DeviceLostError`."""

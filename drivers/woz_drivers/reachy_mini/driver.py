@@ -27,8 +27,6 @@ from woz_tui.drivers.contract import (
     Offer,
     Probe,
     RejectedError,
-    Scope,
-    StopReport,
     VoiceFound,
     Written,
 )
@@ -127,15 +125,6 @@ class ReachyMini(RobotOfParts[DaemonLink, ReachyMiniSettings]):
     async def prepare_say(self, utterances: list[Mapping[str, Json]]) -> None:
         """Synthesise what will be said, and send it to the robot."""
         await self._sounds.prepare(utterances)
-
-    async def stop(self, scope: Scope) -> StopReport | None:
-        """Stand still and fall silent; return which of both was confirmed in time.
-
-        It has no wheels: nothing carries it through the room. Nobody talks through it while no
-        wizard watches.
-        """
-        await self._sounds.end_talk()
-        return await super().stop(scope)
 
     async def _farewell(self) -> None:
         """It does nothing by itself."""

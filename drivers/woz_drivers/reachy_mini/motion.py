@@ -31,6 +31,7 @@ from woz_tui.drivers.contract import (
     Job,
     Offer,
     RejectedError,
+    Scope,
     Verb,
 )
 from woz_tui.drivers.fields import Range
@@ -198,12 +199,12 @@ class ReachyMotion(ReachyPart):
                 return await self._wobble(job)
         return await super().perform(job)
 
-    def hold(self) -> None:
+    def hold(self, scope: Scope) -> None:
         """Nothing moves, also when a robot comes back while the stop is pressed."""
         self._body.hold()
         self._demo.cancel()
 
-    async def halt(self) -> Sequence[asyncio.Future[Any]]:
+    async def halt(self, scope: Scope) -> Sequence[asyncio.Future[Any]]:
         """End every move; it stands still when poses say so."""
         ended = self._body.begin_end()
         if self._mode == "demo":

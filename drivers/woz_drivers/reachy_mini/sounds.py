@@ -33,6 +33,7 @@ from woz_tui.drivers.contract import (
     Job,
     Offer,
     RejectedError,
+    Scope,
 )
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
@@ -130,13 +131,14 @@ class ReachySounds(ReachyPart):
                 return {"level": self._level}
         return await super().perform(job)
 
-    async def end_talk(self) -> None:
-        """Nobody talks through it any more."""
+    async def halt(self, scope: Scope) -> Sequence[asyncio.Future[Any]]:
+        """Now, and when no move is left that begins a sound of its own, as waking up does. While
+        nobody watches only who talks live falls silent.
+        """
         if self._talk is not None:
             await self._talk.stop()
-
-    async def halt(self) -> Sequence[asyncio.Future[Any]]:
-        """Now, and when no move is left that begins a sound of its own, as waking up does."""
+        if scope is Scope.DRIVE:
+            return ()
         await self.stop()
         if self._body.ended is not None:
             await asyncio.shield(self._body.ended)

@@ -311,9 +311,11 @@ async def test_the_wizards_line_ends_a_live_voice(talk: Talk) -> None:
     talking = await talk.begin()
     talk.say()
     await until(lambda: talk.sent == WORD)
+    stopping = asyncio.ensure_future(talk.rig.driver.stop(Scope.DRIVE))
     talking.cancel()
-    await talk.rig.driver.stop(Scope.DRIVE)
-    await until(lambda: not talk.rig.robot.speaking)
+    report = await stopping
+    assert report is not None and (report.confirmed, report.missing) == (("speech",), ())
+    assert not talk.rig.robot.speaking, "it is silent when it says so"
 
 
 async def test_what_the_robot_has_too_much_of_is_dropped(talk: Talk) -> None:

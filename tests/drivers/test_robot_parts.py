@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 
 import pytest
 
-from woz_tui.drivers import confirmed_stop
+from woz_tui.drivers import confirmed_stop, robot_parts
 from woz_tui.drivers.contract import (
     DeviceLostError,
     DriverContext,
@@ -242,3 +242,26 @@ async def test_nothing_is_done_after_the_end(robot: LampRobot) -> None:
     assert robot.link.sent == ["goodbye"]
     with pytest.raises(DeviceLostError, match="is closed"):
         await robot.perform(PlainJob("brightness", {"level": 0.5}))
+
+
+async def test_a_part_that_does_not_close_keeps_the_others_from_nothing(
+    context: RecordingContext, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(robot_parts, "PARTS_CLOSE_S", 0.05)
+
+    class StuckWheels(Wheels):
+        async def close(self) -> None:
+            await asyncio.Event().wait()
+
+    class BrokenTurntable(Turntable):
+        async def close(self) -> None:
+            raise OSError("no such motor")
+
+    class WornLampRobot(LampRobot):
+        PARTS: ClassVar[tuple[type[RobotPart[Any, Any]], ...]] = (StuckWheels, BrokenTurntable)
+
+    robot = WornLampRobot("lamp", LampSettings(), context)
+    await robot.comes()
+    await robot.close()
+    assert robot.link.sent == ["goodbye"]
+    assert "no such motor" in caplog.text

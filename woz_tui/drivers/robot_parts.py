@@ -15,6 +15,7 @@ robot is there and when it is gone.
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
@@ -55,6 +56,11 @@ class RobotLink(Protocol):
     async def close(self) -> None:
         """Let go of the robot."""
 
+
+#: Parts have so long to end at the robot what goes on, in seconds.
+PARTS_CLOSE_S = 1.5
+
+log = logging.getLogger(__name__)
 
 #: How parts reach the robot, and the settings of its section in the robot file.
 L = TypeVar("L")
@@ -145,7 +151,9 @@ class RobotOfParts(Driver, Generic[LinkT, S]):
             verb.name: part for part, verbs in offered for verb in verbs
         }
         #: What a stop of driving reaches.
-        self._drive = [part for part, verbs in offered if any(verb.drives for verb in verbs)]
+        self._drive: Sequence[RobotPart[Any, S]] = [
+            part for part, verbs in offered if any(verb.drives for verb in verbs)
+        ]
         self._stops = BackgroundTasks("a stop")
         self._shown: dict[str, Json] = {}
         self._closed = False
@@ -159,7 +167,7 @@ class RobotOfParts(Driver, Generic[LinkT, S]):
         verbs = {verb.name: verb for each in offers for verb in each.verbs}
         rows = (row for part in cls.PARTS for row in part.SETTINGS)
         return Offer(
-            verbs=tuple(verbs.values()),
+            verbs=tuple(verb for each in offers for verb in each.verbs),
             sensors=tuple(sensor for each in offers for sensor in each.sensors),
             lacks={verb: why for each in offers for verb, why in each.lacks.items()},
             joints={name: span for each in offers for name, span in (each.joints or {}).items()}
@@ -182,14 +190,17 @@ class RobotOfParts(Driver, Generic[LinkT, S]):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out a verb by its part. Raises `DeviceLostError` while no robot is connected."""
-        part = self._by_verb.get(job.verb)
-        if part is None:
-            raise RejectedError(f"{self.called} cannot {job.verb!r}")
         if self._closed:
             raise DeviceLostError("the robot's driver is closed", "start the session again")
+        if job.verb not in self._by_verb:
+            raise RejectedError(f"{self.called} cannot {job.verb!r}")
+        return await self._performed(job)
+
+    async def _performed(self, job: Job) -> Mapping[str, Json]:
+        """What its part makes of it; what it changed is shown."""
         self._link.need()
         try:
-            return await part.perform(job)
+            return await self._by_verb[job.verb].perform(job)
         finally:
             self._show()
 
@@ -238,11 +249,22 @@ class RobotOfParts(Driver, Generic[LinkT, S]):
         if self._closed:
             return
         self._closed = True
+        await self._end_own()
         await self._stops.close(0.0)
-        for part in self._parts:
-            await part.close()
+        closing = [asyncio.ensure_future(part.close()) for part in self._parts]
+        _, late = await asyncio.wait(closing, timeout=PARTS_CLOSE_S)
+        for end in late:
+            end.cancel()
+        if late:
+            await asyncio.wait(late, timeout=PARTS_CLOSE_S)
+        for end in closing:
+            if end.done() and not end.cancelled() and end.exception() is not None:
+                log.error("a part did not close", exc_info=end.exception())
         await self._farewell()
         await self._link.close()
+
+    async def _end_own(self) -> None:
+        """End what the driver itself has under way, before its parts."""
 
     async def _farewell(self) -> None:
         """What the robot is still told at the end."""

@@ -95,10 +95,8 @@ class Furhat(RobotOfParts[FurhatLink, FurhatSettings]):
                 await self._link.send("request.face.reset")
                 await self._link.send("request.attend.nobody")
 
-    async def close(self) -> None:
-        """End everything of this driver; the robot stays as it is."""
+    async def _end_own(self) -> None:
         await self._settings_task.close()
-        await super().close()
 
     async def _get_ready(self) -> str:
         await self._connected()

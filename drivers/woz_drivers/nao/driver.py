@@ -37,6 +37,7 @@ class Nao(NaoqiRobot):
     """Aldebaran's NAO over NAOqi, or one of the simulated kind."""
 
     Settings = NaoSettings
+    called = "a NAO"
     summary = "Aldebaran's NAO over NAOqi (2.8), or a simulated one"
     settings: NaoSettings
     facts = DriverFacts(

@@ -5,7 +5,6 @@ the robot has.
 from __future__ import annotations
 
 import asyncio
-import logging
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar
@@ -18,7 +17,6 @@ from woz_drivers.naoqi_robot.connection import RobotConnection
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.naoqi_robot.settings_reading import SettingsReader
-from woz_drivers.naoqi_robot.talk import TalkPart
 from woz_drivers.programs.simulated_process import SIMULATED
 from woz_tui.drivers import confirmed_stop
 from woz_tui.drivers.argument_values import text
@@ -45,9 +43,6 @@ from woz_tui.protocol.requesters import requester
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.system.tasks import wait_at_most
 
-#: The parts have so long to say goodbye to the robot.
-FAREWELL_S = 1.5
-
 #: A robot that has just been switched on takes its time before it answers.
 CONNECT_LIMIT_S = 180.0
 #: Of `connect` and `disconnect` alone: nothing that waits for the robot stands before them.
@@ -72,8 +67,6 @@ LINE = (
     Verb("disconnect", "disconnect the robot until `connect`", lane=LANE, limit_s=10.0),
 )
 
-log = logging.getLogger(__name__)
-
 
 class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
     """What a kind of robot is made of, says its own class."""
@@ -82,6 +75,7 @@ class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
     PARTS: ClassVar[tuple[type[NaoqiPart], ...]]
     _parts: Sequence[NaoqiPart]
     _by_verb: Mapping[str, NaoqiPart]
+    _drive: Sequence[NaoqiPart]
     #: What can be said of commands that are only written.
     CHECKS: ClassVar[dict[str, Mapping[str, text_remarks.Check]]] = text_remarks.CHECKS
 
@@ -134,16 +128,16 @@ class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
 
         Raises `DeviceLostError` while no robot is connected, but for the verbs of the line.
         """
-        if self._closed:
-            raise DeviceLostError("the robot's driver is closed")
-        match job.verb:
-            case "connect":
-                return await self._connect(text(job.args, "robot"))
-            case "disconnect":
-                return await self._disconnect(requester(job.source))
-        part = self._by_verb.get(job.verb)
-        if part is None:
-            raise RejectedError(f"{self.settings.model.name} cannot {job.verb!r}")
+        if not self._closed:
+            match job.verb:
+                case "connect":
+                    return await self._connect(text(job.args, "robot"))
+                case "disconnect":
+                    return await self._disconnect(requester(job.source))
+        return await super().perform(job)
+
+    async def _performed(self, job: Job) -> Mapping[str, Json]:
+        part = self._by_verb[job.verb]
         await self._settling.settled()
         self._link.alert()
         try:
@@ -171,8 +165,7 @@ class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
 
     async def _halt(self, scope: Scope) -> StopReport | None:
         """Stand still, as for a stop, but nobody need release it: a robot is let go."""
-        drives = (BasePart, TalkPart)
-        parts = [part for part in self._parts if scope is Scope.ALL or isinstance(part, drives)]
+        parts = self._parts if scope is Scope.ALL else self._drive
         if not self._present:
             moving = [part.name for part in parts if isinstance(part, BasePart | BodyPart)]
             return StopReport(missing=tuple(moving)) if self._lost_unasked else None
@@ -222,23 +215,10 @@ class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
                 what = f"what it does by itself could not be set: {error.what}"
                 self.context.notice("warning", what, "set it on the robot's screen")
 
-    async def close(self) -> None:
-        """End everything of this driver; the robot itself is left as it is."""
-        self._closed = True
+    async def _end_own(self) -> None:
         await self._later.close()
         await self._reading.close()
-        self._stops.cancel()
-        closing = [asyncio.ensure_future(part.close()) for part in self._parts]
-        _, late = await asyncio.wait(closing, timeout=FAREWELL_S)
-        for part in late:
-            part.cancel()
-        if late:
-            await asyncio.wait(late, timeout=FAREWELL_S)
-        for part in closing:
-            if part.done() and not part.cancelled() and part.exception() is not None:
-                log.error("a part did not close", exc_info=part.exception())
         self._present = self._lost_unasked = False
-        await self._link.close()
 
     # -- the line --------------------------------------------------------------------------------
 

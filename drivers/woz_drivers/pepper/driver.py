@@ -32,6 +32,7 @@ class Pepper(NaoqiRobot):
     """SoftBank's Pepper over NAOqi, or one of the simulated kind."""
 
     Settings = PepperSettings
+    called = "Pepper"
     summary = "SoftBank's Pepper over NAOqi (2.5 to 2.9), or a simulated one"
     facts = DriverFacts(
         robot=True,

@@ -19,7 +19,6 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Scope,
     StopReport,
-    Verb,
 )
 from woz_tui.drivers.robot_parts import RobotOfParts, RobotPart
 from woz_tui.drivers.robot_settings import RobotSetting
@@ -75,16 +74,7 @@ class Light(RobotPart[LampLink, LampSettings]):
 
     @classmethod
     def offer(cls, settings: LampSettings) -> Offer:
-        return Offer(
-            verbs=(
-                Verb(
-                    "brightness",
-                    "how bright it is",
-                    (BRIGHTNESS.taken(required=True),),
-                    lane="light",
-                ),
-            )
-        )
+        return Offer(verbs=(BRIGHTNESS.changed_by("how bright it is", lane="light"),))
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         self._level = job.args["level"]

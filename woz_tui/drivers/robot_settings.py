@@ -5,10 +5,12 @@ file asks for it. The robot file, the verb and the line of the console's screen 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
-from woz_tui.drivers.contract import Argument
+from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.drivers.fields import Doc, OneOf, Range
+from woz_tui.drivers.robot_verbs import COMMON_VERBS, common_verb
+from woz_tui.protocol.messages import Json
 from woz_tui.protocol.robot_outline import Setting
 
 Kind = Literal["flag", "choice", "number", "color", "text"]
@@ -53,6 +55,12 @@ class RobotSetting:
         return Doc(self.what)
 
     @property
+    def doc_on_connect(self) -> Doc:
+        """The same of one that stands alone in the robot file."""
+        of = "colour of the " if self.kind == "color" else ""
+        return Doc(f"{of}{self.label or self.name} on connect: {self.what}")
+
+    @property
     def one_of(self) -> OneOf:
         """What the robot file may say of a choice; empty: it is left as it is."""
         return OneOf(("", *self.choices))
@@ -69,15 +77,22 @@ class RobotSetting:
             return str(self.range)
         return f"{self.gap[0]:g}, or {replace(self.range, low=self.gap[1])}"
 
-    def taken(self, *, required: bool = False) -> Argument:
+    def taken(self, *, required: bool = False, default: Json = None) -> Argument:
         """The argument of the verb that changes it."""
         number = self.kind == "number"
         kind = "text" if self.kind == "color" else self.kind
         return Argument(
-            *(self.argument, kind, self.what, required),
+            *(self.argument, kind, self.what, required, default),
             range=self.range if number else None,
             choices=self.choices,
         )
+
+    def changed_by(self, summary: str = "", *more: Argument, **fields: Any) -> Verb:
+        """The verb that changes it, with what else it takes; `fields`: others of the verb."""
+        own = (self.taken(required=True), *more)
+        if self.verb in COMMON_VERBS:
+            return common_verb(self.verb, summary, *own, **fields)
+        return Verb(self.verb, summary or f"set {self.what}", own, **fields)
 
     def line(self) -> Setting:
         """As the console is told."""

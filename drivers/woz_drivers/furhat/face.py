@@ -105,7 +105,7 @@ class FurhatFace(FurhatPart):
                     "face",
                     "show another face, or change how it lives",
                     (
-                        Argument("face", "text", "mask and character: adult - Isabel", default=""),
+                        SETTINGS["face"].taken(default=""),
                         *(Argument(name, "flag", "leave out: as it is") for name in _CONFIGURED),
                     ),
                     lane="face",

@@ -14,7 +14,7 @@ from woz_drivers.furhat.link import Exchange, FurhatLink, FurhatPart
 from woz_drivers.furhat.realtime_events import AttendStatus, Place
 from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_tui.drivers.argument_values import number, text
-from woz_tui.drivers.contract import Argument, DriverContext, Job, Offer, Scope, Verb
+from woz_tui.drivers.contract import DriverContext, Job, Offer, Scope, Verb
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
@@ -60,11 +60,7 @@ class FurhatHead(FurhatPart):
                 Verb(
                     "follow",
                     "look at somebody wherever they go",
-                    (
-                        Argument(
-                            "user", "text", "closest, nobody, or a user's id", default="closest"
-                        ),
-                    ),
+                    (SETTINGS["attends"].taken(default="closest"),),
                     lane=LANE,
                     limit_s=5.0,
                 ),

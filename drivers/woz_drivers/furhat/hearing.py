@@ -19,7 +19,7 @@ from woz_drivers.furhat.realtime_events import (
 )
 from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_drivers.sound.noticed_speech import NoticedSpeech
-from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, DriverContext, Job, Offer, Verb
+from woz_tui.drivers.contract import SPEECH, SPEECH_TEXT, DriverContext, Job, Offer
 from woz_tui.protocol.messages import Json
 
 #: It stops listening by itself for these reasons, and goes on after a while; else it is asked to.
@@ -55,12 +55,8 @@ class FurhatHearing(FurhatPart):
         """`listen`; speech and its texts."""
         return Offer(
             verbs=(
-                Verb(
-                    "listen",
-                    "recognise what is said, or stop doing so",
-                    (SETTINGS["listening"].taken(required=True),),
-                    lane="listen",
-                    limit_s=5.0,
+                SETTINGS["listening"].changed_by(
+                    "recognise what is said, or stop doing so", lane="listen", limit_s=5.0
                 ),
             ),
             sensors=(SPEECH, SPEECH_TEXT),

@@ -11,7 +11,7 @@ from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_tui.drivers.argument_values import color, word
 from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, Job, Offer, Scope
-from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS, common_verb
+from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS
 from woz_tui.protocol.messages import Json
 
 #: Seconds between two blinks of the lids, and of each half of a light that comes and goes.
@@ -32,7 +32,9 @@ class FurhatLight(FurhatPart):
     @classmethod
     def offer(cls, settings: FurhatSettings) -> Offer:
         """`eyes`."""
-        return Offer(verbs=(common_verb("eyes", "colour the LED ring", lane="light", limit_s=5.0),))
+        return Offer(
+            verbs=(SETTINGS["eyes"].changed_by("colour the LED ring", lane="light", limit_s=5.0),)
+        )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Show the colour at once."""

@@ -135,8 +135,8 @@ class FurhatSettings(Section):
     key: Annotated[
         str, Doc("name of the environment variable with the key of the Realtime API")
     ] = "WOZ_FURHAT_KEY"
-    face: Annotated[str, Doc("face on connect, mask and character: adult - Isabel")] = ""
-    led: Annotated[str, Doc("colour of the LED ring on connect: a name or #rrggbb")] = ""
+    face: Annotated[str, SETTINGS["face"].doc_on_connect] = ""
+    led: Annotated[str, SETTINGS["eyes"].doc_on_connect] = ""
     voice: Annotated[FurhatVoiceSettings, Doc("applied on connect")] = field(
         default_factory=FurhatVoiceSettings
     )

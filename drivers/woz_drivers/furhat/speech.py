@@ -117,19 +117,14 @@ class FurhatSpeech(FurhatPart):
                     "voice",
                     "take another voice",
                     (
-                        Argument("name", "text", "its name or a part of it", default=""),
+                        SETTINGS["voice"].taken(default=""),
                         Argument("language", "text", "such as en-US", default=""),
                         Argument("gender", "text", "as the robot's list has it", default=""),
                     ),
                     lane="voice-settings",
                     limit_s=10.0,
                 ),
-                common_verb(
-                    *("volume", "", SETTINGS["volume"].taken(required=True)),
-                    lane="voice-settings",
-                    limit_s=5.0,
-                    brief=True,
-                ),
+                SETTINGS["volume"].changed_by(lane="voice-settings", limit_s=5.0, brief=True),
             ),
         )
 

@@ -62,10 +62,8 @@ class BodyPart(NaoqiPart):
                     "pose", "move joints to angles in degrees, together", seconds, arrives=True
                 ),
                 common_verb("home", "stand upright again", seconds, limit_s=60.0, arrives=True),
-                common_verb(
-                    "torque",
+                SETTINGS["awake"].changed_by(
                     "wake up, or go to rest and switch the motors off",
-                    SETTINGS["awake"].taken(required=True),
                     lane=LANE,
                     limit_s=60.0,
                 ),

@@ -33,7 +33,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
-from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS, common_verb
+from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS
 from woz_tui.protocol.messages import Json
 
 LEDS = "ALLeds"
@@ -74,10 +74,8 @@ class EyesPart(NaoqiPart):
         """A colour, an animation, the brightness."""
         return Offer(
             verbs=(
-                common_verb(
-                    "eyes",
+                SETTINGS["eyes"].changed_by(
                     "",
-                    SETTINGS["eyes"].taken(required=True),
                     Argument("seconds", "seconds", "fade to it", False, 0.0, LONGEST),
                     limit_s=60.0,
                 ),
@@ -92,13 +90,8 @@ class EyesPart(NaoqiPart):
                     lane=LANE,
                     limit_s=60.0,
                 ),
-                Verb(
-                    "eyes_brightness",
-                    "dim the eyes",
-                    (SETTINGS["eyes_brightness"].taken(required=True),),
-                    lane=LANE,
-                    limit_s=5.0,
-                    brief=True,
+                SETTINGS["eyes_brightness"].changed_by(
+                    "dim the eyes", lane=LANE, limit_s=5.0, brief=True
                 ),
             )
         )

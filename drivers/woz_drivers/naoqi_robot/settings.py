@@ -120,7 +120,7 @@ class NaoqiSettings(Section):
     voice: Annotated[VoiceSettings, Doc("applied on connect")] = field(
         default_factory=VoiceSettings
     )
-    eyes: Annotated[str, Doc("colour of the eyes on connect: a name or #rrggbb")] = ""
+    eyes: Annotated[str, SETTINGS["eyes"].doc_on_connect] = ""
     senses: Annotated[SensesSettings, Doc("what is read")] = field(default_factory=SensesSettings)
     recognition: Annotated[RecognitionSettings, Doc("what it understands of speech")] = field(
         default_factory=RecognitionSettings

@@ -78,11 +78,8 @@ class VoicePart(NaoqiPart):
                     limit_s=3600.0,
                 ),
                 *(
-                    Verb(
-                        *(setting.verb, f"set {setting.what}", (setting.taken(required=True),)),
-                        lane=SETTINGS_LANE,
-                        limit_s=5.0,
-                        brief=True,
+                    setting.changed_by(
+                        f"set {setting.what}", lane=SETTINGS_LANE, limit_s=5.0, brief=True
                     )
                     for setting in SOUNDS
                 ),

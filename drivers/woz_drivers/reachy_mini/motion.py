@@ -52,15 +52,11 @@ _BODY, _CONTROL = "body", "control"
 _METRES = Range(-100, 100, "m")
 _SECONDS = Argument("seconds", "seconds", "0: as fast as it may", False, 0.0, Range(0, 60, "s"))
 
-_WOBBLE = Verb(
-    "wobble",
-    "let the head move along with speech and sounds, or not",
-    (SETTINGS["wobble"].taken(required=True),),
-    lane=_CONTROL,
+_WOBBLE = SETTINGS["wobble"].changed_by(
+    "let the head move along with speech and sounds, or not", lane=_CONTROL
 )
 _POWER = (
-    common_verb(
-        "torque",
+    SETTINGS["awake"].changed_by(
         "",
         Argument("by_hand", "flag", "on, but the head can be moved by hand", default=False),
     ),
@@ -95,10 +91,8 @@ def _moving(settings: ReachyMiniSettings) -> tuple[Verb, ...]:
             Argument("z", "number", "above the head", range=_METRES),
         ),
         common_verb("nudge"),
-        common_verb(
-            "mode",
+        SETTINGS["mode"].changed_by(
             "tracking: the head follows faces; demo: it shows its moves; normal: neither",
-            choices=MODES,
             lane="mode",
         ),
     )

@@ -34,7 +34,7 @@ SETTINGS = {
             choices=MODES,
         ),
         RobotSetting(
-            *("Voice", "volume", "number", "of the robot's loudspeaker; empty: it has none"),
+            *("Voice", "volume", "number", "how loud its loudspeaker is, if it has one"),
             *("volume", "level"),
             label="Volume",
         ),

@@ -93,7 +93,7 @@ class ReachySounds(ReachyPart):
                     markup=("pause",),
                 ),
                 common_verb("sound", "play a WAV file on the robot", lane=_VOICE),
-                common_verb("volume"),
+                SETTINGS["volume"].changed_by(),
                 *(() if settings.talk is None else live_talk.VERBS),
             ),
             lacks=TALK_UNWRITTEN if settings.talk is None else {},

@@ -10,6 +10,7 @@ import asyncio
 import base64
 import contextlib
 from collections.abc import AsyncIterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +43,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
-from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN, WIDTH
+from woz_tui.drivers.sound_feeds import WIDTH
 from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
 
@@ -100,11 +101,11 @@ class FurhatSpeech(FurhatPart):
         """`say`, `sound`, `voice`, `volume`; `talk` and `end_talk` where the file says so, with how
         old a voice is when it is sent.
         """
-        return Offer(
-            lacks=TALK_UNWRITTEN if settings.talk is None else {},
-            sensors=() if settings.talk is None else (live_talk.TALK,),
+        talk = live_talk.offered(settings.talk)
+        return replace(
+            talk,
             verbs=(
-                *(() if settings.talk is None else live_talk.VERBS),
+                *talk.verbs,
                 common_verb("say", limit_s=_LONGEST_S, markup=("pause",)),
                 common_verb(
                     "sound",

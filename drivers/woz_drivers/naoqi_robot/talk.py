@@ -18,7 +18,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Scope,
 )
-from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN, WIDTH
+from woz_tui.drivers.sound_feeds import WIDTH
 from woz_tui.protocol.messages import Json
 
 _DEVICE = "ALAudioDevice"
@@ -40,11 +40,7 @@ class TalkPart(NaoqiPart):
     @classmethod
     def offer(cls, settings: NaoqiSettings) -> Offer:
         """`talk` and `end_talk`, where the file says so; how old a voice is when it is sent."""
-        return Offer(
-            verbs=() if settings.talk is None else live_talk.VERBS,
-            lacks=TALK_UNWRITTEN if settings.talk is None else {},
-            sensors=() if settings.talk is None else (live_talk.TALK,),
-        )
+        return live_talk.offered(settings.talk)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Let somebody talk, or end that."""

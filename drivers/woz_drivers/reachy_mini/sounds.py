@@ -11,6 +11,7 @@ import contextlib
 import functools
 import hashlib
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,6 @@ from woz_tui.drivers.contract import (
     Scope,
 )
 from woz_tui.drivers.robot_verbs import common_verb
-from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.motion.safety import finite_number
 from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
@@ -84,7 +84,9 @@ class ReachySounds(ReachyPart):
         """`say`, `sound`, `volume`; `talk` and `end_talk` where the file says so, with how old a
         voice is when it is sent.
         """
-        return Offer(
+        talk = live_talk.offered(settings.talk)
+        return replace(
+            talk,
             verbs=(
                 common_verb(
                     "say",
@@ -94,10 +96,8 @@ class ReachySounds(ReachyPart):
                 ),
                 common_verb("sound", "play a WAV file on the robot", lane=_VOICE),
                 SETTINGS["volume"].changed_by(),
-                *(() if settings.talk is None else live_talk.VERBS),
+                *talk.verbs,
             ),
-            lacks=TALK_UNWRITTEN if settings.talk is None else {},
-            sensors=() if settings.talk is None else (live_talk.TALK,),
         )
 
     @property

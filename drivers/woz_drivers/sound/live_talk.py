@@ -28,11 +28,19 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Job,
+    Offer,
     RejectedError,
     Verb,
 )
 from woz_tui.drivers.fields import Doc, Range, Seconds
-from woz_tui.drivers.sound_feeds import VOICE, VOICE_STATE, WIDTH, SoundReader, VoiceState
+from woz_tui.drivers.sound_feeds import (
+    TALK_UNWRITTEN,
+    VOICE,
+    VOICE_STATE,
+    WIDTH,
+    SoundReader,
+    VoiceState,
+)
 from woz_tui.protocol.messages import Json
 
 #: How old a voice is when it is handed on to what plays it, in seconds; and its state: off, on,
@@ -68,6 +76,13 @@ VERBS = (
     Verb("end_talk", "end `talk`", lane="end_talk", brief=True, evidence=""),
 )
 NAMES = frozenset(verb.name for verb in VERBS)
+
+
+def offered(settings: TalkSettings | None) -> Offer:
+    """The verbs, with how old a voice is when it is sent; without settings: how to have them."""
+    if settings is None:
+        return Offer(lacks=TALK_UNWRITTEN)
+    return Offer(verbs=VERBS, sensors=(TALK,))
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,7 +47,6 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
-from woz_tui.drivers.sound_feeds import TALK_UNWRITTEN
 from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
 from woz_tui.system.tasks import end_tasks
@@ -125,9 +124,8 @@ class Speech(Driver):
         plays = (_SAY_BY_ITSELF, *volume) if made.speak else (_SAY, _SOUND, *volume)
         makes = (PREPARED, *((SYNTHESISER,) if made.resident_voice else ()))
         senses = () if made.speak else makes
-        if made.talk is None:
-            return Offer(verbs=plays, sensors=senses, lacks=TALK_UNWRITTEN)
-        return Offer(verbs=(*plays, *live_talk.VERBS), sensors=(*senses, live_talk.TALK))
+        talk = live_talk.offered(made.talk)
+        return replace(talk, verbs=(*plays, *talk.verbs), sensors=(*senses, *talk.sensors))
 
     @classmethod
     def remarks(cls, settings: Any, written: Written) -> Iterable[Finding]:

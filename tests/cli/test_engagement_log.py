@@ -16,8 +16,8 @@ from tests.session.rig import SessionRig
 from tools import EXPERIMENTS
 from tools.demo_session import catalogue
 from woz_tui import cli
-from woz_tui.cli.engagement_compare import MOVED, ONLY_COMPUTED, ONLY_RECORDED, SAME, paired
-from woz_tui.cli.engagement_log import rerun
+from woz_tui.analysis.engagement_comparison import MOVED, ONLY_COMPUTED, ONLY_RECORDED, SAME, paired
+from woz_tui.analysis.engagement_rerun import rerun
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_words import PAPER, VISITOR
 from woz_tui.config.experiment import Experiment

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from woz_tui import cli
-from woz_tui.cli.engagement_log import ModelRerun, SettingsOverride
+from woz_tui.analysis.engagement_rerun import ModelRerun, SettingsOverride
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_json import settings_to_json
 from woz_tui.protocol import codec

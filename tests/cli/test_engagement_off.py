@@ -13,8 +13,8 @@ from tests.analysis.example_sessions import ExampleSession, figures_of, in_time
 from tests.replay.rerun_rig import write_log
 from tests.replay.test_rerun_plan import LOG, START
 from woz_tui import cli
-from woz_tui.cli.engagement_compare import engaged_share
-from woz_tui.cli.engagement_log import RecordedModel, rerun
+from woz_tui.analysis.engagement_comparison import engaged_share
+from woz_tui.analysis.engagement_rerun import RecordedModel, rerun
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_json import settings_to_json
 from woz_tui.log.log_reader import Damage

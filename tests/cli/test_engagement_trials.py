@@ -10,7 +10,7 @@ import pytest
 
 from tools import DOCS
 from woz_tui import cli
-from woz_tui.cli.engagement_trials import EngagementDelay, medians, trials
+from woz_tui.analysis.engagement_trials import EngagementDelay, medians, trials
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m

@@ -18,7 +18,7 @@ from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import square
 from tests.session.engagement_rig import WIZARD, GuideDriver
 from tests.session.rig import SessionRig
-from woz_tui.cli.engagement_log import rerun
+from woz_tui.analysis.engagement_rerun import rerun
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver, DriverContext, Job, Offer
 from woz_tui.log import log_reader

@@ -27,9 +27,9 @@ from tools import (
     toolkit_coverage,
 )
 from tools.driver_settings import bundled
-from woz_tui.cli import robots
 from woz_tui.cli.render_target import inputs_table
 from woz_tui.cli.safe_streams import json_text
+from woz_tui.config import robot_descriptions
 from woz_tui.config.json_schema import experiment_schema, included_schema, robot_schema
 from woz_tui.motion.move_schema import move_schema
 
@@ -44,7 +44,9 @@ FILES: Mapping[str, Callable[[str], str]] = {
     "docs/how-to/export.md": redaction_lists.refreshed,
     "docs/how-to/keymap.md": keymap_reference.refreshed,
     "docs/how-to/render.md": lambda page: replaced(page, "inputs", inputs_table()),
-    "docs/how-to/robots.md": lambda page: replaced(page, "robots", robots.markdown(bundled())),
+    "docs/how-to/robots.md": lambda page: replaced(
+        page, "robots", robot_descriptions.markdown(bundled())
+    ),
     "docs/images/engagement-states.svg": lambda _: engagement_diagram.svg(),
     "docs/reference/experiment-file.md": lambda _: experiment_reference.page(),
     "docs/reference/modes.md": lambda _: f"{modes_page.markdown()}\n",

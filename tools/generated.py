@@ -27,11 +27,11 @@ from tools import (
     toolkit_coverage,
 )
 from tools.driver_settings import bundled
-from woz_tui.cli.render_target import inputs_table
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config import robot_descriptions
 from woz_tui.config.json_schema import experiment_schema, included_schema, robot_schema
 from woz_tui.motion.move_schema import move_schema
+from woz_tui.motion.render_target import inputs_table
 
 
 def _schema(make: Callable[[], Mapping[str, Any]], _: str) -> str:

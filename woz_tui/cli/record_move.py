@@ -14,8 +14,8 @@ from pathlib import Path
 
 from woz_tui.cli import argument_types
 from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.input_lines import input_lines
 from woz_tui.cli.keyboard_take import KeyboardTake, keyboard
-from woz_tui.cli.render_target import RenderError, RenderTarget, input_lines
 from woz_tui.config.problems import hint
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, RejectedError
@@ -25,6 +25,7 @@ from woz_tui.motion.keyframes import KeyframeMove
 from woz_tui.motion.move_files import NAME, NAME_RULE, MoveFileError, read_move
 from woz_tui.motion.move_writer import WriteError, save
 from woz_tui.motion.puppeteer import Puppeteer, with_muted, with_share, without_layer
+from woz_tui.motion.render_target import RenderError, RenderTarget
 from woz_tui.motion.rendering import Input, apply_input, refusal
 
 #: Seconds a script's take goes on after the last input.

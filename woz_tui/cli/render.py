@@ -14,7 +14,7 @@ from typing import Any
 
 from woz_tui.cli import argument_types
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.render_target import RenderError, RenderTarget, input_lines, inputs_table
+from woz_tui.cli.input_lines import input_lines
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.console.drawing.dot_canvas import DotCanvas, DotLayer
 from woz_tui.console.drawing.glyphs import UNICODE
@@ -23,6 +23,7 @@ from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
 from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.input_script import InputLineError, read_inputs
+from woz_tui.motion.render_target import RenderError, RenderTarget, inputs_table
 from woz_tui.motion.rendering import Input, Rendering
 
 #: Rows of cells for each joint's curve.

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import codecs
-import re
-import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 from woz_tui.config.experiment import Action, DriverSpec, Experiment, ParallelCalls
 from woz_tui.config.loading import load, load_robot
 from woz_tui.config.problems import hint, listed
 from woz_tui.config.robots import is_robot_file
 from woz_tui.drivers.contract import Argument, Driver, RejectedError
-from woz_tui.log.log_files import files_of
 from woz_tui.motion.body_shape import BodyShape, FaceShape
 from woz_tui.motion.body_verbs import BRIEF, body_verbs
 from woz_tui.motion.engine import Engine
@@ -29,11 +25,6 @@ from woz_tui.motion.rendering import (
     Step,
     Tell,
 )
-from woz_tui.protocol import codec
-from woz_tui.system.files import open_regular
-
-# -- render inputs ---------------------------------------------------------------------------------
-_BEGINS_LOG = re.compile(rb'\s*\{\s*"kind"\s*:\s*"(?:session\.start|segment)"')
 
 #: Inputs that are no verb of a body.
 BEYOND = (
@@ -42,36 +33,6 @@ BEYOND = (
     ("freeze", "", "the emergency stop: stands still until `resume`"),
     ("resume", "", "the emergency stop is released"),
 )
-
-
-def input_lines(name: str) -> Iterator[tuple[str, bytes]]:
-    """Each line of the file called `name`, without its newline, with its place; `-` is standard
-    input. Of a session's log those of all its files. Raises `OSError`.
-    """
-    if name == "-":
-        yield from _numbered("standard input", sys.stdin.buffer)
-        return
-    path = Path(name)
-    with path.open("rb") as file:
-        first = file.readline(codec.MAX_LINE)
-        if not (path.is_file() and _BEGINS_LOG.match(first)):
-            yield from _numbered(name, file, first)
-            return
-    for each in files_of(path, samples=False).actions:
-        with open_regular(each) as file:
-            yield from _numbered(str(each), file)
-
-
-def _numbered(name: str, file: BinaryIO, first: bytes = b"") -> Iterator[tuple[str, bytes]]:
-    """Of a line that is longer than any message the beginning, which is no JSON."""
-    line = (first or file.readline(codec.MAX_LINE)).removeprefix(codecs.BOM_UTF8)
-    number = 0
-    while line:
-        number += 1
-        yield f"{name}:{number}", line.rstrip(b"\n")
-        while line and not line.endswith(b"\n"):
-            line = file.readline(codec.MAX_LINE)
-        line = file.readline(codec.MAX_LINE)
 
 
 def inputs_table() -> str:

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from woz_tui.cli import new
-from woz_tui.cli.new import TEMPLATES
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
+from woz_tui.config.new_experiment import TEMPLATES, every_line
 from woz_tui.drivers import plugins
 
 ROOT = Path(__file__).parents[2]
@@ -62,8 +62,8 @@ def test_the_tutorial_tells_what_the_template_has(
 
 
 SENTENCES = {
-    "neutral": {line.text for line in new._every_line()},
-    "empathic": {line.other for line in new._every_line() if line.other},
+    "neutral": {line.text for line in every_line()},
+    "empathic": {line.other for line in every_line() if line.other},
 }
 
 

@@ -68,6 +68,10 @@ S = TypeVar("S")
 LinkT = TypeVar("LinkT", bound=RobotLink)
 
 
+#: What has to come before a part has stopped; None: there is nothing of it to stop, nor to report.
+Pending = Sequence[asyncio.Future[Any]] | None
+
+
 class RobotPart(Generic[L, S]):
     """One part. Made once a session, survives reconnections; by itself it offers nothing."""
 
@@ -100,9 +104,9 @@ class RobotPart(Generic[L, S]):
         `Scope.DRIVE` reaches parts with a verb that drives alone, and ends nothing but that.
         """
 
-    async def halt(self, scope: Scope) -> Sequence[asyncio.Future[Any]]:
+    async def halt(self, scope: Scope) -> Pending:
         """The stop, there: send what ends it; returns what has to come before it has ended."""
-        return ()
+        return None
 
     def resume(self) -> None:
         """The stop was released."""
@@ -221,15 +225,15 @@ class RobotOfParts(Driver, Generic[LinkT, S]):
         await wait_at_most(halts, until - loop.time(), confirmed_stop.AGAIN_S)
         taken = self._taken()
         unknown = loop.create_future()  # what would end a part that has not said it yet
-        ends = {
-            part.name: [*taken, halt, *(halt.result() if succeeded(halt) else (unknown,))]
-            for part, halt in zip(parts, halts, strict=True)
-            if part.name
-        }
-        return await confirmed_within(until - loop.time(), ends)
+        ends: dict[str, list[asyncio.Future[Any]]] = {}
+        for part, halt in zip(parts, halts, strict=True):
+            own = halt.result() if succeeded(halt) else (unknown,)
+            if part.name and own is not None:
+                ends[part.name] = [*taken, halt, *own]
+        return await confirmed_within(until - loop.time(), ends) if ends else None
 
     def _taken(self) -> Sequence[asyncio.Future[Any]]:
-        """Ends when the robot has taken what was sent so far, where that is asked for."""
+        """Pending when the robot has taken what was sent so far, where that is asked for."""
         return ()
 
     async def resume(self) -> None:

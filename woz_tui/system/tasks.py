@@ -72,9 +72,9 @@ class TaskSet:
     def __bool__(self) -> bool:
         return bool(self._tasks)
 
-    def start(self, work: Coroutine[Any, Any, _T]) -> asyncio.Task[_T]:
-        """Begin one more."""
-        task = asyncio.get_running_loop().create_task(work, name=self._what)
+    def start(self, work: Coroutine[Any, Any, _T], name: str = "") -> asyncio.Task[_T]:
+        """Begin one more, by a name of its own or that of all."""
+        task = asyncio.get_running_loop().create_task(work, name=name or self._what)
         self._tasks.add(task)
         task.add_done_callback(self._ended)
         return task

@@ -45,6 +45,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
@@ -126,7 +127,7 @@ class FurhatFace(FurhatPart):
         return Forecast(positive(args, "seconds", 0.0), ()) if verb == "home" else Forecast()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        """Ends when it is over."""
+        """Pending when it is over."""
         match job.verb:
             case "play":
                 return await self._play(job)
@@ -145,7 +146,7 @@ class FurhatFace(FurhatPart):
         self._stops += 1
         self._played.clear()
 
-    async def halt(self, scope: Scope) -> list[asyncio.Future[Any]]:
+    async def halt(self, scope: Scope) -> Pending:
         """End gestures; the expression stays."""
         gesture = self._gesture
         if gesture is None or gesture.over.done():
@@ -302,7 +303,7 @@ class FurhatFace(FurhatPart):
     ) -> None:
         """Bring a layer of the face there in so many seconds; `whole`: what is not named goes to 0.
 
-        Ends early at a stop, and the face holds what it has.
+        Pending early at a stop, and the face holds what it has.
         """
         loop = asyncio.get_running_loop()
         names = {*wanted, *(layer if whole else ())}

@@ -5,7 +5,6 @@ The robot has no joints in its API: it is told places in metres, and turns eyes 
 
 from __future__ import annotations
 
-import asyncio
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -16,6 +15,7 @@ from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_tui.drivers.argument_values import number, text
 from woz_tui.drivers.contract import DriverContext, Job, Offer, Scope, Verb
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
@@ -136,7 +136,7 @@ class FurhatHead(FurhatPart):
             self._yaw, self._pitch = self.direction()
             self._followed = ""
 
-    async def halt(self, scope: Scope) -> list[asyncio.Future[Any]]:
+    async def halt(self, scope: Scope) -> Pending:
         """Hold the gaze of a robot that follows somebody."""
         if self._asked != "user":
             return []

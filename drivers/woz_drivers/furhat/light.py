@@ -11,6 +11,7 @@ from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_tui.drivers.argument_values import color, word
 from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, Job, Offer, Scope
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS
 from woz_tui.protocol.messages import Json
 
@@ -53,7 +54,7 @@ class FurhatLight(FurhatPart):
         self._loop.cancel()
         self._animation = "steady"
 
-    async def halt(self, scope: Scope) -> list[asyncio.Future[object]]:
+    async def halt(self, scope: Scope) -> Pending:
         """The light stays, also one that was just dark."""
         if self._color:
             await self._link.send("request.led.set", color=self._color)

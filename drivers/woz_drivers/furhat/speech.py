@@ -42,6 +42,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.drivers.sound_feeds import WIDTH
 from woz_tui.protocol import markup
@@ -130,7 +131,7 @@ class FurhatSpeech(FurhatPart):
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        """Ends when the robot says that it has ended."""
+        """Pending when the robot says that it has ended."""
         if job.verb in ("say", "sound") and self._live is not None:
             raise RejectedError("somebody talks through it live", "`end_talk` first")
         if self._talk is not None and job.verb in live_talk.NAMES:
@@ -161,7 +162,7 @@ class FurhatSpeech(FurhatPart):
         if self._live is not None:
             self._live.voice.silence()
 
-    async def halt(self, scope: Scope) -> list[asyncio.Future[Any]]:
+    async def halt(self, scope: Scope) -> Pending:
         """Fall silent, whoever speaks through it; while nobody watches only who talks live, or was
         just cut short: nothing else is heard meanwhile.
         """
@@ -169,7 +170,7 @@ class FurhatSpeech(FurhatPart):
         going = spoken is not None and not spoken.over.done()
         live = self._live is not None or (going and spoken is self._live_exchange)
         if scope is Scope.DRIVE and not live:
-            return []
+            return None
         await self._link.send("request.speak.stop")
         if self._talk is not None:
             await self._talk.stop()

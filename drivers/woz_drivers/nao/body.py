@@ -36,7 +36,7 @@ class NaoBodyPart(BodyPart):
             if self._link.refused(f"{MOTION}.rest") is None:
                 raise
 
-    async def _halt(self) -> None:
+    async def _end_motion(self) -> None:
         """End every movement: at once above the legs, and of the legs when it does not walk."""
         await asyncio.gather(self._link.call(*HALT_UPPER), self._end_posture())
         while await walks(self._link):  # noqa: ASYNC110

@@ -19,6 +19,7 @@ from woz_tui.drivers.contract import (
     Scope,
     Verb,
 )
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.protocol.messages import Json
 
 BEHAVIORS = "ALBehaviorManager"
@@ -79,12 +80,12 @@ class AnimationsPart(NaoqiPart):
         """The animation that is meant. Raises `DriverError` for one that is not known."""
         return self._settings.model.animations.path_of(move)
 
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
+    async def halt(self, scope: Scope) -> Pending:
         """End the animation under way."""
-        if scope is not Scope.ALL or not self._playing:
-            return ()
+        if not self._playing:
+            return None
         await self._end(self._playing)
-        return (self.name,)
+        return ()
 
     def lost(self) -> None:
         """What was played is not known to play any more."""

@@ -20,6 +20,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Scope,
 )
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
@@ -66,12 +67,12 @@ class BasePart(NaoqiPart):
             raise DriverError(*await self._why())
         return {"x": x, "y": y, "turn": turn}
 
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
+    async def halt(self, scope: Scope) -> Pending:
         """Brake; returns when the robot says that it stands."""
         await self._link.call(MOTION, "stopMove")
         while not await self._stands():  # noqa: ASYNC110
             await asyncio.sleep(ASK_S)  # the robot tells of no end: it has to be asked
-        return (self.name,)
+        return ()
 
     async def _ready(self) -> None:
         """Return if it can go now. Raises `DriverError`."""

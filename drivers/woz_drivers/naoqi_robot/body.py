@@ -24,6 +24,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
@@ -116,12 +117,10 @@ class BodyPart(NaoqiPart):
         else:
             await self._link.call(MOTION, "rest", within=LONG_S)
 
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
+    async def halt(self, scope: Scope) -> Pending:
         """End every movement of every joint and of the wheels, whoever began it."""
-        if scope is not Scope.ALL:
-            return ()
-        await self._halt()
-        return (self.name,)
+        await self._end_motion()
+        return ()
 
     async def read(self) -> Mapping[str, Json]:
         """Whether the motors are on, and in which posture it is."""
@@ -150,7 +149,7 @@ class BodyPart(NaoqiPart):
             raise RejectedError(f"the motors are switched on or off, not {on!r}")
         done = await self._moving(
             self._link.call(MOTION, "wakeUp" if on else "rest", within=LONG_S),
-            self._halt,
+            self._end_motion,
         )
         if done is False:  # where NAOqi answers at all; older ones return nothing
             raise DriverError(
@@ -174,9 +173,9 @@ class BodyPart(NaoqiPart):
         except DeviceLostError:
             raise
         except DriverError:
-            await self._halt()
+            await self._end_motion()
 
-    async def _halt(self) -> None:
+    async def _end_motion(self) -> None:
         """End every movement, whoever began it."""
         await self._link.call(MOTION, "killAll")
 

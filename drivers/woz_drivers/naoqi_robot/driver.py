@@ -21,7 +21,7 @@ from woz_drivers.programs.simulated_process import SIMULATED
 from woz_tui.drivers import confirmed_stop
 from woz_tui.drivers.argument_values import text
 from woz_tui.drivers.background import Background, BackgroundTasks
-from woz_tui.drivers.confirmed_stop import confirmed_within
+from woz_tui.drivers.confirmed_stop import confirmed_within, succeeded
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -36,7 +36,7 @@ from woz_tui.drivers.contract import (
     Verb,
     Written,
 )
-from woz_tui.drivers.robot_parts import RobotOfParts
+from woz_tui.drivers.robot_parts import Pending, RobotOfParts
 from woz_tui.drivers.robot_verbs import known_by
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requesters import requester
@@ -185,20 +185,22 @@ class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
             report = await confirmed_within(0.0, both)
         for end in late:
             end.add_done_callback(self._report_late)
-        confirmed = [name for part in report.confirmed for name in first[part].result()]
-        return StopReport(tuple(sorted(confirmed)), report.missing)
+        confirmed = (name for name in report.confirmed if first[name].result() is not None)
+        return StopReport(tuple(confirmed), report.missing)
 
     def _stop_all(
         self, parts: Sequence[NaoqiPart], scope: Scope
-    ) -> dict[str, asyncio.Task[tuple[str, ...]]]:
-        """Ask all at once, by name."""
-        return {part.name: self._stops.start(part.stop(scope)) for part in parts}
+    ) -> dict[str, asyncio.Task[Pending]]:
+        """Ask all at once, by name. Each returns when it stands still: nothing else has to come."""
+        for part in parts:
+            part.hold(scope)
+        return {part.name: self._stops.start(part.halt(scope), part.name) for part in parts}
 
-    def _report_late(self, stop: asyncio.Task[tuple[str, ...]]) -> None:
+    def _report_late(self, stop: asyncio.Task[Pending]) -> None:
         """What was missing when the stop was reported ended after all: a step, on a slow line."""
-        if not stop.cancelled() and stop.exception() is None and stop.result():
-            names = " and ".join(stop.result())
-            self.context.notice("info", f"{names}: confirmed late, it is stopped now")
+        if succeeded(stop) and stop.result() is not None:
+            name = stop.get_name()
+            self.context.notice("info", f"{name}: confirmed late, it is stopped now")
 
     async def resume(self) -> None:
         """The stop was released: what could not be applied while it was pressed is applied now."""

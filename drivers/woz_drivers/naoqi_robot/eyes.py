@@ -33,6 +33,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS
 from woz_tui.protocol.messages import Json
 
@@ -110,12 +111,12 @@ class EyesPart(NaoqiPart):
                 return {"level": level}
         raise RejectedError(f"the eyes cannot {job.verb!r}")
 
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
+    async def halt(self, scope: Scope) -> Pending:
         """Hold a steady light; nothing to do where nothing moves."""
-        if scope is not Scope.ALL or not (self._loop or self._animated):
-            return ()
+        if not (self._loop or self._animated):
+            return None
         await self._steady(await self._before(), 0.0)
-        return (self.name,)
+        return ()
 
     async def connected(self) -> None:
         """Show what the robot file says; after a loss, what was shown."""

@@ -152,11 +152,9 @@ class HeadPart(NaoqiPart):
                 return sent(HEAD_NAMES, goal, goal)
         raise RejectedError(f"the head cannot {job.verb!r}")
 
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
+    def hold(self, scope: Scope) -> None:
         """The stop of all motion holds it; the next step begins where it is then."""
-        if scope is Scope.ALL:
-            self.lost()
-        return ()
+        self.lost()
 
     def lost(self) -> None:
         """Where it looks is not known any more."""

@@ -20,7 +20,6 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Job,
-    Scope,
 )
 from woz_tui.drivers.robot_parts import RobotPart
 from woz_tui.protocol.messages import Json
@@ -115,12 +114,6 @@ class NaoqiPart(RobotPart[RobotCalls, NaoqiSettings]):
     def implied(self, job: Job) -> Mapping[str, Json]:
         """Settings that the wizard wants since this verb, by name, besides those that it names."""
         return {}
-
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
-        """Stand still; return what confirmed, in words (`speech`, `motion` ...). Raises if nothing
-        did. Nothing to stop: return at once with nothing.
-        """
-        return ()
 
     async def read(self) -> Mapping[str, Json]:
         """Settings as the robot has them now, by name; called once a second or more."""

@@ -34,6 +34,7 @@ from woz_tui.drivers.contract import (
     Scope,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
@@ -93,17 +94,15 @@ class SoundsPart(NaoqiPart):
             await self._play(job, path, volume)
         return {"file": path, "volume": volume}
 
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
+    async def halt(self, scope: Scope) -> Pending:
         """Fall silent, whoever began the sound."""
-        if scope is not Scope.ALL:
-            return ()
         try:
             await self._link.call(PLAYER, "stopAll")
         except ServiceAbsentError:
             if self._playing:
                 raise
-            return ()  # a robot without a player: a stop that always complains is not looked at
-        return (self.name,)
+            return None  # a robot without a player: a stop that always complains is not looked at
+        return ()
 
     async def connected(self) -> None:
         """The robot may have been started anew: what was loaded is not known any more."""

@@ -18,6 +18,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Scope,
 )
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.sound_feeds import WIDTH
 from woz_tui.protocol.messages import Json
 
@@ -49,17 +50,17 @@ class TalkPart(NaoqiPart):
         await self._cleaned_up()
         return await self._talk.perform(job)
 
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
+    async def halt(self, scope: Scope) -> Pending:
         """Fall silent, for what the robot has in store, too; while no wizard watches only if
         somebody talks, or was just cut short: the robot's own sounds would be flushed as well.
         """
         if self._talk is None or not self._sent:
-            return ()
+            return None
         if scope is Scope.DRIVE and not (self._talk.on or self._clean_up):
-            return ()
+            return None
         await self._talk.stop()
         await self._flush()
-        return (self.name,)
+        return ()
 
     async def connected(self) -> None:
         """Start the program that changes the voice."""

@@ -35,6 +35,7 @@ from woz_tui.drivers.contract import (
     Scope,
     Verb,
 )
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
@@ -95,12 +96,10 @@ class VoicePart(NaoqiPart):
                 return await self._read(job)
         return await self._set(job)
 
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
+    async def halt(self, scope: Scope) -> Pending:
         """Fall silent."""
-        if scope is not Scope.ALL:
-            return ()
         await self._link.call(TTS, "stopAll")
-        return (self.name,)
+        return ()
 
     async def connected(self) -> None:
         """Apply what the robot file says of the voice, or the wizard since."""

@@ -54,11 +54,9 @@ class HipPart(NaoqiPart):
         goal = (0.0 - pitch, roll)
         return sent(("pitch", "roll"), goal, goal)
 
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
+    def hold(self, scope: Scope) -> None:
         """The stop of all motion holds it; the next step begins where it is then."""
-        if scope is Scope.ALL:
-            self.lost()
-        return ()
+        self.lost()
 
     def lost(self) -> None:
         """Where it is is not known any more."""

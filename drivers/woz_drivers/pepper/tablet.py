@@ -29,6 +29,7 @@ from woz_tui.drivers.contract import (
     Scope,
     Verb,
 )
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
@@ -333,16 +334,16 @@ class TabletPart(NaoqiPart):
                     raise RejectedError(f"the tablet cannot {verb} {what}")
         return {"shown": self._shows}
 
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
+    async def halt(self, scope: Scope) -> Pending:
         """A video ends; the default comes afterwards, which is not waited for."""
         video = self._video
-        if scope is not Scope.ALL or video is None:
-            return ()
+        if video is None:
+            return None
         self._watching.cancel()
         # Not confirmed, it may play on: the next stop tries it again.
         await self._call("stopVideo", sure=False)
         self._over(video)
-        return (self.name,)
+        return ()
 
     async def connected(self) -> None:
         """Listen to the tablet, and show the default, or clear it."""

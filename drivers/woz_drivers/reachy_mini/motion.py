@@ -35,6 +35,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
@@ -198,7 +199,7 @@ class ReachyMotion(ReachyPart):
         self._body.hold()
         self._demo.cancel()
 
-    async def halt(self, scope: Scope) -> Sequence[asyncio.Future[Any]]:
+    async def halt(self, scope: Scope) -> Pending:
         """End every move; it stands still when poses say so."""
         ended = self._body.begin_end()
         if self._mode == "demo":

@@ -10,7 +10,7 @@ import asyncio
 import contextlib
 import functools
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -36,6 +36,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Scope,
 )
+from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.motion.safety import finite_number
 from woz_tui.protocol import markup
@@ -118,7 +119,7 @@ class ReachySounds(ReachyPart):
         return Forecast()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        """Ends when it has been heard."""
+        """Pending when it has been heard."""
         if self._talk is not None and job.verb in live_talk.NAMES:
             return await self._talk.perform(job)
         match job.verb:
@@ -131,7 +132,7 @@ class ReachySounds(ReachyPart):
                 return {"level": self._level}
         return await super().perform(job)
 
-    async def halt(self, scope: Scope) -> Sequence[asyncio.Future[Any]]:
+    async def halt(self, scope: Scope) -> Pending:
         """Now, and when no move is left that begins a sound of its own, as waking up does. While
         nobody watches only who talks live falls silent.
         """

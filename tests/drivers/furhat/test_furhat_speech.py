@@ -316,6 +316,7 @@ async def test_the_wizards_line_ends_a_live_voice(talk: Talk) -> None:
     report = await stopping
     assert report is not None and (report.confirmed, report.missing) == (("speech",), ())
     assert not talk.rig.robot.speaking, "it is silent when it says so"
+    assert await talk.rig.driver.stop(Scope.DRIVE) is None, "nobody talks any more"
 
 
 async def test_what_the_robot_has_too_much_of_is_dropped(talk: Talk) -> None:

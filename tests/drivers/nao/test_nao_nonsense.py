@@ -37,18 +37,18 @@ async def test_nothing_is_made_of_nonsense(tmp_path: Path) -> None:
         robot.says |= {"ALMotion.robotIsWakeUp": True, "ALMotion.getRobotVelocity": [0.0, 0.0, 0.0]}
         for nonsense in NONSENSE:
             robot.says["ALMotion.moveIsActive"] = nonsense
-            await _fails(walking.stop(Scope.ALL), "does not report whether it walks")
+            await _fails(walking.halt(Scope.ALL), "does not report whether it walks")
             robot.says["ALRobotPosture.getPostureFamily"] = nonsense
             await _fails(walking.perform(BusJob("drive", {"x": 0.1})), "does not stand")
             if nonsense not in ("", "x"):  # a word is a posture that nobody knows
                 await _fails(animations.perform(BusJob("play", {"move": "Hey_1"})), "its posture")
-            await _fails(body.stop(Scope.ALL), "does not report whether it walks")
+            await _fails(body.halt(Scope.ALL), "does not report whether it walks")
         assert not robot.called.get("ALMotion.moveTo")
         assert not robot.called.get("ALAnimationPlayer.run")
         killed = robot.called["ALMotion.killTasksUsingResources"]
         assert not any(set(LEGS) & set(resources) for (resources,) in killed), "it would fall"
         robot.says["ALMotion.moveIsActive"] = False
-        assert await walking.stop(Scope.DRIVE) == ("walking",)
+        assert await walking.halt(Scope.DRIVE) == ()
 
 
 async def test_a_robot_that_babbles_has_not_fallen_and_its_sensors_say_why(tmp_path: Path) -> None:

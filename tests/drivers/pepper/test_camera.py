@@ -155,7 +155,7 @@ async def test_a_picture_is_kept_with_its_time(tmp_path: Path, robot: StandIn) -
         await rig.do("picture")
         assert len(list(media.iterdir())) == 2
         await _let_go(robot)
-        assert await rig.part.stop(Scope.ALL) == ()
+        assert await rig.part.halt(Scope.ALL) is None
         with pytest.raises(RejectedError):
             await rig.do("film")
     await until(lambda: "robot file" not in [one.name for one in threading.enumerate()])

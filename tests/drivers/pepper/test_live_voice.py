@@ -88,13 +88,13 @@ async def test_a_stop_silences_the_robot_and_it_needs_the_key_again(
     tmp_path: Path, robot: StandIn
 ) -> None:
     async with connected_part(TalkPart, tmp_path, robot, talk=TalkSettings()) as rig:
-        assert await rig.part.stop(Scope.ALL) == (), "nobody has talked"
+        assert await rig.part.halt(Scope.ALL) is None, "nobody has talked"
         talk = Talk(rig)
         task = await talk.begin()
         talk.say()
         await talk.until_played(WORD)
         task.cancel()
-        assert await rig.part.stop(Scope.ALL) == ("live voice",)
+        assert await rig.part.halt(Scope.ALL) == ()
         await asyncio.wait([task])
         assert not talk.on
         talk.say()
@@ -126,14 +126,14 @@ async def test_the_wizards_line_leaves_what_the_robot_says_itself(
         await talk.until_played(WORD)
         task.cancel()  # as the bus does in the same turn
         await asyncio.sleep(0)
-        assert await rig.part.stop(Scope.DRIVE) == ("live voice",)
+        assert await rig.part.halt(Scope.DRIVE) == ()
         await asyncio.wait([task])
         await talk.begin()
         talk.say()
         await talk.until_played(2 * WORD)
         await talk.end()
         flushed = (await robot.get("sound.output"))["flushed"]
-        assert await rig.part.stop(Scope.DRIVE) == ()
+        assert await rig.part.halt(Scope.DRIVE) is None
         assert (await robot.get("sound.output"))["flushed"] == flushed
 
 
@@ -186,7 +186,7 @@ async def test_without_the_setting_nobody_can_talk(tmp_path: Path, robot: StandI
         with pytest.raises(RejectedError) as raised:
             await rig.do("talk")
         assert "talk: {}" in raised.value.remedy
-        assert await rig.part.stop(Scope.ALL) == ()
+        assert await rig.part.halt(Scope.ALL) is None
 
 
 def test_a_rate_that_no_loudspeaker_plays_is_told() -> None:

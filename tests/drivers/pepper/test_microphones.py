@@ -58,7 +58,7 @@ async def test_a_recording_on_the_robot(tmp_path: Path, robot: StandIn) -> None:
         [call] = await robot.called("ALAudioRecorder.startMicrophonesRecording")
         assert call.args == [path, "wav", 16000, [1, 1, 1, 1]]
         assert await rig.part.read() == {"microphones": f"recording {path}"}
-        assert await rig.part.stop(Scope.ALL) == ()
+        assert await rig.part.halt(Scope.ALL) is None
         with pytest.raises(RejectedError, match="recording already"):
             await rig.do("record_sound", on=True)
         ended = await rig.do("record_sound", on=False)

@@ -104,18 +104,18 @@ async def _stops(robot: ScriptedRobot) -> None:
     base = BasePart(robot.connection, SETTINGS, robot.published.context)
     for nonsense in NONSENSE:
         robot.says["ALMotion.getRobotVelocity"] = nonsense
-        await _fails(base.stop(Scope.ALL), "does not report its speed")
+        await _fails(base.halt(Scope.ALL), "does not report its speed")
     robot.says["ALMotion.getRobotVelocity"] = [0.0, 0, 0.001]
-    assert await base.stop(Scope.DRIVE) == ("driving",)
+    assert await base.halt(Scope.DRIVE) == ()
 
     animations = AnimationsPart(robot.connection, SETTINGS, robot.published.context)
     animations._playing = "animations/x"
     robot.says["ALBehaviorManager.stopBehavior"] = ValueError("it is not running")
     for nonsense in NONSENSE:
         robot.says["ALBehaviorManager.isBehaviorRunning"] = nonsense
-        await _fails(animations.stop(Scope.ALL), "does not report whether animations/x has ended")
+        await _fails(animations.halt(Scope.ALL), "does not report whether animations/x has ended")
     robot.says["ALBehaviorManager.isBehaviorRunning"] = False
-    assert await animations.stop(Scope.ALL) == ("animations",)
+    assert await animations.halt(Scope.ALL) == ()
 
 
 async def _verbs(robot: ScriptedRobot) -> None:

@@ -319,7 +319,7 @@ async def test_only_what_the_file_wants_is_read(sense: Sense, robot: StandIn) ->
 async def test_at_the_end_the_robot_need_not_measure_any_more(sense: Sense, robot: StandIn) -> None:
     async with sense() as rig:
         await _round(rig)
-        assert await rig.part.stop(Scope.ALL) == ()
+        assert await rig.part.halt(Scope.ALL) is None
         with pytest.raises(RejectedError, match="cannot dance"):
             await rig.do("dance")
     ended = {call.service for call in await robot.trace() if call.method.startswith("unsub")}

@@ -134,7 +134,7 @@ async def test_a_picture_after_a_video_ends_it(rig: PartRig[TabletPart], robot: 
     await rig.do("screen", file="map.png")
     await _shows(robot, "webview", len(PICTURE))
     assert len(await robot.trace("ALTabletService.stopVideo")) == 1
-    assert await rig.part.stop(Scope.ALL) == ()
+    assert await rig.part.halt(Scope.ALL) is None
 
 
 async def test_a_second_video_plays_where_the_tablet_has_no_stopVideo(  # noqa: N802 - its name
@@ -172,12 +172,11 @@ async def test_without_a_default_the_tablet_is_cleared_on_connect(
 async def test_the_stop_ends_a_video_and_says_tablet(
     rig: PartRig[TabletPart], robot: StandIn
 ) -> None:
-    assert await rig.part.stop(Scope.ALL) == ()
+    assert await rig.part.halt(Scope.ALL) is None
     await robot.set("tablet.video_seconds", 3600)
     await rig.do("screen", file="film.mp4")
     await _shows(robot, "video")
-    assert await rig.part.stop(Scope.DRIVE) == ()
-    assert await rig.part.stop(Scope.ALL) == ("tablet",)
+    assert await rig.part.halt(Scope.ALL) == ()
     assert len(await robot.trace("ALTabletService.stopVideo")) == 1
     await _shows(robot, "webview", len(OTHER))
 
@@ -189,9 +188,9 @@ async def test_a_stop_that_the_tablet_refuses_is_an_error(
     await rig.do("screen", file="film.mp4")
     await robot.fault("refuse:ALTabletService.stopVideo=no tablet")
     with pytest.raises(DriverError, match="no tablet"):
-        await rig.part.stop(Scope.ALL)
+        await rig.part.halt(Scope.ALL)
     await robot.clear()
-    assert await rig.part.stop(Scope.ALL) == ("tablet",)
+    assert await rig.part.halt(Scope.ALL) == ()
     await _shows(robot, "webview", len(OTHER))
 
 
@@ -202,10 +201,10 @@ async def test_a_video_that_is_cut_short_before_it_plays_can_be_stopped(
     await robot.fault("slow:200")
     showing = asyncio.create_task(rig.do("screen", file="film.mp4"))
     await robot.called("ALTabletService.playVideo")
-    stopping = asyncio.create_task(rig.part.stop(Scope.ALL))
+    stopping = asyncio.create_task(rig.part.halt(Scope.ALL))
     await asyncio.sleep(0)
     showing.cancel()
-    assert await stopping == ("tablet",)
+    assert await stopping == ()
     await _shows(robot, "webview", len(OTHER))
     names = [call.method for call in await robot.trace() if "Video" in call.method]
     assert names == ["playVideo", "stopVideo"]
@@ -217,7 +216,7 @@ async def test_a_video_that_the_tablet_refuses_is_not_playing(
     await robot.fault("refuse:ALTabletService.playVideo=no such codec")
     with pytest.raises(DriverError, match="no such codec"):
         await rig.do("screen", file="film.mp4")
-    assert await rig.part.stop(Scope.ALL) == ()
+    assert await rig.part.halt(Scope.ALL) is None
 
 
 @pytest.mark.naoqi("ALTabletService.hideWebview", "ALTabletService.enableWifi")

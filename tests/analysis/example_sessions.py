@@ -87,13 +87,15 @@ class ExampleSession:
         took: float | None = 0.5,
         end: str = "done",
         console: str = "",
+        edited: bool = False,
     ) -> Self:
         """An action of one command from its request to its end; `took` None: no end is told."""
         self._runs += 1
         run, command = f"a{self._runs:05d}", f"c{self._runs:05d}"
         action_requested = m.ActionRequested(
-            run=run, action=action, panel=panel, source=source, key="h", console=console
-        )
+            run=run, action=action, panel=panel, source=source, key="h", console=console,
+            edited=edited,
+        )  # fmt: skip
         self.add(seconds, action_requested)
         if end == "refused":
             return self.add(seconds, m.ActionRefused(run=run, action=action, reason="locked"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time, seconds
+from woz_tui.analysis import report_tables
 from woz_tui.analysis.figures import ActionOutcomes, SessionFigures
 from woz_tui.protocol import messages as m
 
@@ -82,6 +83,16 @@ def test_a_command_on_the_spot_is_an_act() -> None:
     assert list(whole.press.values) == [1000, 1000, 2000]
     assert "force" not in whole.verbs
     assert "control" not in whole.verbs
+
+
+def test_sentences_that_were_typed_anew_are_counted_where_they_were_said() -> None:
+    session = ExampleSession(condition="warm").act(1, edited=True).act(2)
+    session.add(3, m.SessionChanged(condition="cold")).act(4).act(5, edited=True, source="script")
+    figures = session_figures(session.act(6, edited=True).end(10))
+    assert [part.edited for part in figures.parts] == [1, 2]
+    assert [part.acts for part in figures.parts] == [2, 3], "they are acts as any other"
+    rows = {row[0]: row[1:] for row in report_tables.figures_table(figures).rows}
+    assert rows["Edited actions"] == ["3", "1", "2"]
 
 
 def test_mistakes_count_once_and_where_the_act_was() -> None:

@@ -56,12 +56,14 @@ def test_a_study_in_sentences(tmp_path: Path) -> None:
 
 
 def test_one_of_each_is_singular() -> None:
-    session = ExampleSession().act(1).add(2, m.Mistake(run="a00001", action="Hello"))
+    session = ExampleSession().act(1, edited=True)
+    session.add(2, m.Mistake(run="a00001", action="Hello"))
     session.add(3, m.StopPressed(source="key"), m.StopReleased(source="key"))
     found = text(session_figures(session.end(60)))
     assert "In all, 1 participant took part in 1 session of 1.0 min." in found
     assert "by 1 wizard (W2), who led 1 session." in found
     assert "In all, 1 action was asked for, by key. It was carried out." in found
+    assert "Before being said, 1 prepared sentence was rewritten by the wizard." in found
     assert "Of 1 wizard action, 1 (100.0 %) was marked as a mistake." in found
     assert "The emergency stop was pressed once in 1 session." in found
     assert "No line was lost from the log." in found

@@ -228,6 +228,8 @@ def check_actions(session_tables: Tables) -> None:
     ]
     assert from_to(direct) == session_tables.lane("(improvised)")
     assert row_counts(direct, *PART) == by_part(session_tables, lambda p: {(): p.direct})
+    anew = [row for row in events if row["edited"] and row["source"] != "engagement"]
+    assert row_counts(anew, *PART) == by_part(session_tables, lambda p: {(): p.edited})
     wrong = [row for row in events if row["mistake"] and row["source"] != "engagement"]
     assert row_counts(wrong, *PART) == by_part(session_tables, lambda p: {(): p.mistakes})
     hands = [row for row in [*events, *direct] if row["source"] != "engagement"]

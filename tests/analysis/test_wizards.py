@@ -18,7 +18,7 @@ def two_wizards() -> ExampleSession:
     session = ExampleSession(condition="warm")
     for at, (console, part) in enumerate((("con1", "voice"), ("con2", "body"))):
         session.add(at / 10, m.ConsoleAttached(console=console, role="wizard", part=part))
-    session.act(1, console="con1").act(2, console="con1")
+    session.act(1, console="con1").act(2, console="con1", edited=True)
     session.add(3, m.Mistake(run="a00002", action="Hello", console="con1"))
     session.add(
         4,
@@ -45,7 +45,7 @@ def test_each_has_their_own_row() -> None:
         ("voice", "con1", "2"),
     ]
     assert (rows[0]["refused"], rows[0]["done"]) == ("1", "1")
-    assert (rows[2]["Improvised"], rows[2]["Mistakes"]) == ("1", "1")
+    assert (rows[2]["Improvised"], rows[2]["Edited"], rows[2]["Mistakes"]) == ("1", "1", "1")
     assert sum(int(row["Actions"]) for row in rows) == figures.whole.by_hand
 
 
@@ -68,3 +68,4 @@ def test_the_csv_file_has_them_by_condition(tmp_path: Path) -> None:
         ("warm", "voice", "con1", "2"),
         ("cold", "voice", "con1", "1"),
     ]
+    assert [row["edited"] for row in rows] == ["0", "0", "1", "0"]

@@ -85,6 +85,7 @@ def test_a_visit_in_tables(tmp_path: Path) -> None:
         "outcome": "done",
         "latency": "0.011000",
         "mistake": "true",
+        "edited": "false",
         "run": "r1",
         "counted": "true",
         "seq": "6",
@@ -101,6 +102,17 @@ def test_a_visit_in_tables(tmp_path: Path) -> None:
     (session,) = read_back(out / "sessions.csv")
     assert (session["started"], session["end"]) == ("2026-03-01T10:00:00+00:00", "wizard")
     assert json.loads(session["conditions"]) == ["warm", "cold"]
+
+
+def test_a_sentence_that_was_typed_anew_says_so(tmp_path: Path) -> None:
+    asked = m.ActionRequested(run="r1", action="Hello", panel="P", source="script", edited=True)
+    course: list[Timed] = [
+        (0, start()),
+        (1_000, asked),
+        (2_000, m.ActionDone(run="r1", action="Hello")),
+    ]
+    (row,) = read_back(course_to(tmp_path, "csv", course) / "events.csv")
+    assert (row["kind"], row["edited"], row["details"]) == ("action", "true", "")
 
 
 def test_a_sentence_of_its_own_can_be_a_mistake(tmp_path: Path) -> None:

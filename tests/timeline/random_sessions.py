@@ -113,7 +113,10 @@ class Recording:
 
     def act(self) -> None:
         run, source = self._id(), self._chance.choice(["key", "script", "engagement"])
-        self._say(m.ActionRequested(run=run, action="Hello", panel="Speech", source=source))
+        edited = source == "script" and self._count % 3 == 0
+        self._say(
+            m.ActionRequested(run=run, action="Hello", panel="Speech", source=source, edited=edited)
+        )
         if self._stopped:
             self._say(m.ActionRefused(run=run, action="Hello", reason="stopped"))
             return

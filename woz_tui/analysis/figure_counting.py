@@ -219,13 +219,17 @@ class _Counting:
         for act in acts:
             tally = self.at(act.context)
             direct, started = type(act) is e.CommandEpisode, act.latency_us
+            edited = isinstance(act, e.ActionEpisode) and act.request.edited
             tally.direct += direct
+            tally.edited += edited
             tally.by_hand += not direct
             tally.mistakes += act.mistake is not None
             who = parts.get(act.request.console, ""), act.request.console
             tally.wizards[*who, "direct" if direct else act.outcome] += 1
             if act.mistake is not None:
                 tally.wizards[*who, "mistakes"] += 1
+            if edited:
+                tally.wizards[*who, "edited"] += 1
             if started is not None:
                 tally.press.add(started)
             # No gap reaches over the border between two trials or conditions.

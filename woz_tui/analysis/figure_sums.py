@@ -31,7 +31,7 @@ def _by_name() -> defaultdict[str, Durations]:
 
 #: Action, panel, source, end.
 CountKey = tuple[str, str, str, str]
-#: Part, console, and an end of an action, `direct` or `mistakes`.
+#: Part, console, and an end of an action, `direct`, `mistakes` or `edited`.
 WizardKey = tuple[str, str, str]
 #: Cues of all types but the trained ones, each event once.
 ALL_CUES = "all"
@@ -49,6 +49,7 @@ class PartSums:
     wizards: Counter[WizardKey] = field(default_factory=Counter)
     by_hand: int = 0
     direct: int = 0
+    edited: int = 0
     press: Durations = field(default_factory=Durations)
     took: Durations = field(default_factory=Durations)
     ends: Counter[tuple[str, str]] = field(default_factory=Counter)
@@ -177,6 +178,7 @@ def _wizards(counts: Counter[WizardKey]) -> list[WizardCount]:
             ActionOutcomes(*(counts[*who, end] for end in ENDS)),
             counts[*who, "direct"],
             counts[*who, "mistakes"],
+            counts[*who, "edited"],
         )
         for who in sorted({(part, console) for part, console, _ in counts})
     ]

@@ -72,7 +72,8 @@ class ActionCount:
 @dataclass(frozen=True, slots=True)
 class WizardCount:
     """What was played by hand over one connection: its part (empty: none in particular), actions by
-    how they ended, commands that belonged to no action, and what was called a mistake.
+    how they ended, commands that belonged to no action, what was called a mistake, and actions
+    whose sentence was typed anew.
     """
 
     part: str
@@ -80,6 +81,7 @@ class WizardCount:
     outcomes: ActionOutcomes
     direct: int = 0
     mistakes: int = 0
+    edited: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,6 +172,7 @@ class PartFigures:
         counts: Actions by action, panel, source and end.
         by_hand: Actions that a human asked for.
         direct: Commands by hand that belonged to no action (a sentence typed on the spot).
+        edited: Actions that a human asked for, whose sentence was typed anew before it was said.
         press: From the request by hand to the driver's start of the first command.
         took: From an action's request to its end, of those that were done.
         verbs: Commands by verb.
@@ -209,6 +212,7 @@ class PartFigures:
     differing_us: int = 0
     counted: bool = True
     scope: str = SESSION
+    edited: int = 0
     wizards: Sequence[WizardCount] = ()
 
     @property

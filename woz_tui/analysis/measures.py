@@ -108,6 +108,10 @@ MEASURES: tuple[Measure, ...] = (
         lambda part: part.direct,
     ),
     Measure(
+        "edited_actions", "", "`prepared_actions` whose sentence the wizard typed anew before it "
+        "was said", "edited", lambda part: part.edited,
+    ),
+    Measure(
         "wizard_actions", "", "`prepared_actions` + `improvised_actions`", "acts",
         lambda part: part.acts,
     ),

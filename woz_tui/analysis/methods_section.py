@@ -257,6 +257,9 @@ def _acted(facts: StudyFacts) -> Iterator[str]:
         yield f"Of these, {listed(ends)}."
     if facts.direct:
         yield f"Besides, {counted(facts.direct, 'improvised action')} {were(facts.direct)} played."
+    if facts.edited:
+        rewritten = f"{counted(facts.edited, 'prepared sentence')} {were(facts.edited)} rewritten"
+        yield f"Before being said, {rewritten} by the wizard."
 
 
 _ENDS = {

@@ -39,7 +39,8 @@ _VALUES = 3
 _OF_SESSION = (
     *("duration", "trials", "wizard_actions", "wizard_actions_per_minute", "actions"),
     *("actions_done", "actions_failed", "actions_stopped", "actions_refused", "actions_open"),
-    *("improvised_actions", "gap_median_s", "press_median_ms", "press_p95_ms", "press_max_ms"),
+    *("improvised_actions", "edited_actions", "gap_median_s", "press_median_ms"),
+    *("press_p95_ms", "press_max_ms"),
     *("cues", "cues_answered", "cues_missed", "reaction_median_s", "reaction_p95_s"),
     *("settings_differ_s", "settings_differ_share", "engaged_share", "episodes"),
     *("episode_median_s", "utterances", "speech_s", "mistakes", "mistake_rate", "stops"),
@@ -204,11 +205,11 @@ def wizards(figures: SessionFigures) -> ReportTable:
         (
             *(LogText(each.part or "none"), LogText(each.console)),
             *(str(each.outcomes.total), *_counts(ends, row)),
-            *(str(each.direct or ""), str(each.mistakes or "")),
+            *(str(each.direct or ""), str(each.edited or ""), str(each.mistakes or "")),
         )
         for each, row in counts
     ]
-    heads = ["Part", "Console", "Actions", *ends, "Improvised", "Mistakes"]
+    heads = ["Part", "Console", "Actions", *ends, "Improvised", "Edited", "Mistakes"]
     return ReportTable("Wizards", heads, rows, words=2)
 
 

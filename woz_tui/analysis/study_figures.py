@@ -74,6 +74,7 @@ class StudyFacts:
     outcomes: Counter[str] = field(default_factory=Counter)
     by_hand: int = 0
     direct: int = 0
+    edited: int = 0
     mistakes: int = 0
     press: Durations = field(default_factory=Durations)
     results: Counter[str] = field(default_factory=Counter)
@@ -158,6 +159,7 @@ class StudyFacts:
             self.outcomes[end] += getattr(outcomes, end)
         self.by_hand += part.by_hand
         self.direct += part.direct
+        self.edited += part.edited
         self.held.extend(part.held)
         self.mistakes += part.mistakes
         self.press.extend(part.press)

@@ -328,6 +328,11 @@ EVENTS: TableDefinition[Any] = TableDefinition(
             "of actions, and of commands that belong to none: the wizard labelled it a mistake",
             lambda _, event: _mistake(event),
         ),
+        Column(
+            *("edited", "boolean"),
+            "of actions: the wizard typed their sentence anew before it was said",
+            lambda _, event: event.edited if event.kind == "action" else None,
+        ),
         _text(
             "text",
             "said, typed or recognised; of a difference what the robot had and what was wanted",
@@ -457,6 +462,11 @@ WIZARDS: TableDefinition[tuple[PartFigures, WizardCount]] = TableDefinition(
         *map(_ended, ENDS),
         _by_wizard("direct", "commands by hand that belong to no action", lambda it: it.direct),
         _by_wizard("mistakes", "acts that were called a mistake", lambda it: it.mistakes),
+        _by_wizard(
+            "edited",
+            "actions whose sentence was typed anew before it was said",
+            lambda it: it.edited,
+        ),
     ),
     lambda figures: ((part, each) for part in figures.parts for each in part.wizards),
 )

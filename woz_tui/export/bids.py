@@ -242,8 +242,8 @@ _MOMENTS = {
 _RENAMED = {"kind": "trial_type"}
 _OF_EVENTS = (
     *("onset", "duration", "kind", "label", "panel", "action", "verb", "driver", "source"),
-    *("outcome", "latency", "mistake", "condition", "trial", "phase", "counted", "text"),
-    *("run", "seq"),
+    *("outcome", "latency", "mistake", "edited", "condition", "trial", "phase", "counted"),
+    *("text", "run", "seq"),
 )
 _OF_ANSWERS = (
     *("questionnaire", "round", "item", "value", "low", "high", "text", "skipped", "response_time"),

@@ -210,7 +210,8 @@ class EventExtractor:
         return event
 
     def _action(self, action: ActionEpisode) -> ExportEvent:
-        event = self._begun(action, "action", action.request)
+        event = self._begun(action, "action", action.request, "edited")
+        event.edited = action.request.edited
         event.reason = self._text(action.ended, "reason")
         event.evidence = self._text(action.ended, "evidence")
         event.latency, event.mistake = action.latency_us, action.mistake is not None

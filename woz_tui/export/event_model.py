@@ -60,6 +60,7 @@ class ExportEvent(InContext):
         latency: For actions and commands, from the request to the driver's start.
         acted: When the driver started, for commands.
         mistake: The wizard labelled it as one.
+        edited: Of an action: its sentence was typed anew before it was said.
         details: Everything else that the log says of it.
     """
 
@@ -83,6 +84,7 @@ class ExportEvent(InContext):
     latency: int | None = None
     acted: int | None = None
     mistake: bool = False
+    edited: bool = False
     details: dict[str, Json] = field(default_factory=dict)
 
     @property

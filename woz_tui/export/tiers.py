@@ -144,9 +144,10 @@ def _words(event: ExportEvent) -> str:
 
 
 def _marks(event: ExportEvent) -> str:
-    """What is unusual, in brackets: an outcome other than done, a mistake."""
+    """What is unusual, in brackets: an outcome other than done, a mistake, words typed anew."""
     marks = [event.outcome] if event.outcome not in ("", "done") else []
     marks += ["mistake"] if event.mistake else []
+    marks += ["edited"] if event.edited else []
     return f"[{', '.join(marks)}]" if marks else ""
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from woz_tui import cli
 from woz_tui.cli import new
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
@@ -200,6 +201,23 @@ def test_what_is_in_the_way_is_named(tmp_path: Path) -> None:
     (tmp_path / "notes").write_text("a file")
     with pytest.raises(OSError, match=r"notes'$"):
         run_new(tmp_path / "notes" / "e.yaml")
+
+
+def test_the_help_has_the_questions_in_their_order_and_examples(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    with pytest.raises(SystemExit, match="0"):
+        cli.main(["new", "--help"])
+    said = capsys.readouterr().out
+    before, _, asked = said.partition("five questions:")
+    options = ("--robot", "--study", "--conditions", "--language", "--keyboard")
+    places = [asked.index(f"  {option} ") for option in options]
+    assert places == sorted(places)
+    assert "--yes" in before
+    assert asked.count("(default") == len(options), "what enter takes"
+    assert "woz new guide.yaml --template museum" in asked
+    assert max(map(len, said.splitlines())) <= 80
 
 
 def test_free_play_has_no_conditions(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

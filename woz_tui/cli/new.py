@@ -8,12 +8,12 @@ import re
 import shlex
 import shutil
 import sys
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from woz_tui.analysis.text_format import counted
+from woz_tui.analysis.text_format import counted, listed
 from woz_tui.cli.check import verdict
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import utterance_template
@@ -23,7 +23,7 @@ from woz_tui.config.file_position import ExperimentError, Problem
 from woz_tui.config.keys import LAYOUTS
 from woz_tui.config.languages import DEFAULT, shipped
 from woz_tui.config.loading import load
-from woz_tui.config.new_experiment import TEMPLATES, Abilities, abilities_of, experiment_text
+from woz_tui.config.new_experiment import PAIR, TEMPLATES, Abilities, abilities_of, experiment_text
 from woz_tui.config.robots import SIMULATED
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
@@ -32,27 +32,63 @@ from woz_tui.drivers.contract import Driver
 Ask = Callable[[str], str]
 
 
+_EXAMPLES = """\
+examples:
+  woz new guide.yaml                                  ask everything
+  woz new guide.yaml --template museum --robot nao    ask for the rest
+  woz new talk.yaml --yes --conditions strict,kind    ask nothing
+
+The file runs at once. Its sentences are examples: write yours instead."""
+
+
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
+    """Declare the command's options: the questions' in the order in which they are asked."""
+    parser.formatter_class = RawDescriptionHelpFormatter
+    parser.epilog = _EXAMPLES
     parser.add_argument("file", type=Path, help="the file to write; never one that is there")
     parser.add_argument(
         "--template",
         choices=tuple(TEMPLATES),
         default="interview",
-        help="what the robot does (default: interview)",
+        metavar="NAME",
+        help=f"what the robot does: {listed(tuple(TEMPLATES), 'or')} (default: interview)",
     )
     parser.add_argument(
-        "--robot", help="a name that `woz robots` lists, or a robot file (default: simulated)"
+        "--yes", action="store_true", help="ask nothing: take the defaults where no option says"
     )
-    kind = parser.add_mutually_exclusive_group()
+    asked = parser.add_argument_group(
+        "five questions", "Asked in this order; enter takes the default. An option answers its own."
+    )
+    asked.add_argument(
+        "--robot",
+        metavar="NAME",
+        help=f"a name that `woz robots` lists, or a robot file (default: {SIMULATED})",
+    )
+    kind = asked.add_mutually_exclusive_group()
     kind.add_argument(
-        "--study", dest="study", action="store_true", default=None, help="with participants"
+        "--study",
+        dest="study",
+        action="store_true",
+        default=None,
+        help="with participants, conditions and a questionnaire (default)",
     )
-    kind.add_argument("--free", dest="study", action="store_false", help="without a study")
-    parser.add_argument("--conditions", help="of a study, such as neutral,empathic; or none")
-    parser.add_argument("--language", help=f"{', '.join(shipped())}, or one of your own")
-    parser.add_argument("--keyboard", choices=tuple(LAYOUTS), help="the wizard's keyboard")
-    parser.add_argument("--yes", action="store_true", help="ask nothing: take what is usual")
+    kind.add_argument("--free", dest="study", action="store_false", help="free play, no study")
+    asked.add_argument(
+        "--conditions",
+        metavar="A,B",
+        help=f"of a study, with commas; or none (default: {','.join(PAIR)})",
+    )
+    asked.add_argument(
+        "--language",
+        metavar="CODE",
+        help=f"{', '.join(shipped())}, or one of your own (default: {DEFAULT})",
+    )
+    asked.add_argument(
+        "--keyboard",
+        choices=tuple(LAYOUTS),
+        metavar="CODE",
+        help=f"the wizard's: {listed(tuple(LAYOUTS), 'or')} (default: us)",
+    )
 
 
 def run(arguments: Namespace) -> int:

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import argparse
+import asyncio
 import shlex
 import socket
 import sys
 import threading
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from tests.fakes.terminal import FakeTerminal
-from woz_tui.cli import attach, console_start, main
+from tests.host.rig import served_session
+from woz_tui.cli import attach, console_start, main, session_choice
 from woz_tui.cli.console_start import ClosedConsole
 from woz_tui.system import session_sockets
 
 
 @pytest.fixture
 def sessions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Path]]:
-    """Two robot processes' sockets."""
+    """Sockets of two robot processes that stand still."""
+    monkeypatch.setattr(session_choice, "_ABOUT_S", 0.01)
     monkeypatch.delenv("WOZ_SOCKET", raising=False)
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     paths = [session_sockets.socket_path("S01"), session_sockets.socket_path("S02")]
@@ -84,6 +88,26 @@ def test_who_ends_a_session_reads_what_to_do_with_its_log(
     assert f"woz report {log}" in capsys.readouterr().out
     attach._open(arguments("--access", "bea.access", "robot.local:7460"), Path("socket"))
     assert str(log) not in capsys.readouterr().out, "it is on the robot's computer"
+
+
+async def test_the_list_says_what_runs_there_and_for_whom(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("WOZ_SOCKET", raising=False)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    places = [session_sockets.socket_path(name) for name in ("S01", "S02")]
+    async with (
+        served_session(tmp_path, path=places[0]) as first,
+        served_session(tmp_path, path=places[1]) as second,
+    ):
+        first.session.set(participant="P08")
+        second.session.identity = replace(second.session.identity, participant="")
+        assert await asyncio.to_thread(attach.find_socket, arguments()) is None
+    told = sorted(capsys.readouterr().err.splitlines()[1:])
+    assert told == [
+        "  woz attach S01   # for 0 min: Made by hand, P08",
+        "  woz attach S02   # for 0 min: Made by hand, no participant yet",
+    ]
 
 
 def test_a_session_behind_the_option_is_the_session(sessions: list[Path]) -> None:

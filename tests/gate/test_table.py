@@ -173,7 +173,7 @@ def test_what_is_not_needed_any_more_is_refused_while_the_session_ends() -> None
     assert {str(each.__struct_config__.tag) for each, refusal in asked if refusal} == {
         *("phase", "assign", "trial", "questionnaire", "answer", "training", "check"),
         # Others answer these, before the gate is asked.
-        *("hello", "beat", "stop", "take-over", "replay"),
+        *("hello", "about", "beat", "stop", "take-over", "replay"),
     }
 
 

@@ -69,6 +69,24 @@ async def test_nonsense_is_answered_and_harms_nothing(
         await other.hello()
 
 
+async def test_which_session_it_is_is_told_without_a_hello_and_leaves_no_trace(
+    tmp_path: Path,
+) -> None:
+    async with served_session(tmp_path) as host:
+        host.session.set(participant="P07")
+        asker = await host.connect()
+        reply = await asker.ask("about")
+        assert reply["data"] == {
+            "session": "S01", "title": host.experiment.title, "participant": "P07"
+        }  # fmt: skip
+        asker.leave()
+        peer = await host.connect()
+        welcome = await peer.hello()
+        assert all("console.lost" not in line["kind"] for line in welcome["recent"])
+        lines = host.session.recorder.path.read_text()
+        assert lines.count("console.attached") == 1, "the peer's own"
+
+
 async def test_the_refusal_of_a_number_that_json_has_not_finds_its_request(tmp_path: Path) -> None:
     async with served_session(tmp_path) as host:
         peer = await host.connect()

@@ -441,6 +441,7 @@ REQUESTS: tuple[r.Request, ...] = (
     r.AskReplay(ref=30, what="go", to="12:34"),
     r.AskPicture(ref=33, driver="eye", width=76, height=40, after=17),
     r.AskDescribe(ref=39),
+    r.AskAbout(ref=44),
     r.AskPredict(ref=41, action="Hello"),
     r.AskPredict(ref=42, verb="play", args={"move": "nod"}, on="head"),
     r.AskAction(ref=43, action="Hello", at=76_000_000),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import socket
 import sys
 import time
 from argparse import ArgumentParser
@@ -11,7 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from woz_tui.protocol import codec
+from woz_tui.protocol.requests import AskAbout, Reply
 from woz_tui.system import session_sockets
+from woz_tui.system.text_cleaning import visible
 
 if TYPE_CHECKING:
     from woz_tui.cli.remote_start import RemoteLine
@@ -19,6 +23,8 @@ if TYPE_CHECKING:
 #: A session whose computer is there has ended when nobody has listened for so long, in seconds; and
 #: so long it may take until a lost line is noticed.
 _ENDED_S, _NOTICED_S = 5.0, 5.0
+#: How long a session may take to say what it is, in seconds.
+_ABOUT_S = 1.0
 
 
 def add_session_choice(parser: ArgumentParser, name: str = "name") -> None:
@@ -108,9 +114,31 @@ def find_session(name: str, command: str, options: str = "") -> Path | None:
     if running:
         names = "\n".join(
             f"  {command} {path.stem}{options}   # for {session_sockets.age_s(path) // 60:.0f} min"
+            f"{_about(path)}"
             for path in running
         )
         print(f"woz: which session?\n{names}", file=sys.stderr)
     elif not name:
         print("woz: no session is running; start one with `woz run FILE`", file=sys.stderr)
     return None
+
+
+def _about(path: Path) -> str:
+    """The title and the participant of a session; empty if it does not tell them, as those of older
+    versions.
+    """
+    reply = None
+    with (
+        contextlib.suppress(OSError, codec.WireError),
+        socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as connection,
+    ):
+        connection.settimeout(_ABOUT_S)
+        connection.connect(str(path))
+        connection.sendall(codec.encode(AskAbout(ref=1)))
+        with connection.makefile("rb") as answers:
+            reply = codec.decode_incoming(answers.readline(codec.MAX_LINE))
+    told = reply.data if isinstance(reply, Reply) else None
+    if not isinstance(told, dict):
+        return ""
+    who = told.get("participant") or "no participant yet"
+    return visible(f": {told.get('title')}, {who}")

@@ -26,9 +26,11 @@ from woz_tui.host.experiment_view import ExperimentView, plan_for_log, plan_of
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 from woz_tui.protocol.panel_players import player_names
 from woz_tui.protocol.requests import (
     PROTOCOL,
+    AskAbout,
     AskStop,
     AskTakeOver,
     Beat,
@@ -231,6 +233,8 @@ class SessionServer:
         if isinstance(request, AskStop):  # before everything: it needs no hello and no role
             self._stop(client, request)
             client.send(Reply(ref=request.ref, ok=True))
+        elif isinstance(request, AskAbout):  # neither does the question which session this is
+            client.send(Reply(ref=request.ref, ok=True, data=self._about()))
         elif isinstance(request, Hello):
             self._hello(client, request)
         elif client.hello is None:
@@ -246,6 +250,14 @@ class SessionServer:
         with self.session.hub.on_behalf_of(client.name):
             source = "the participant" if client.role == PARTICIPANT else request.source
             self.session.stop(source, request.sent_us)
+
+    def _about(self) -> Json:
+        session = self.session
+        return {
+            "session": session.identity.session,
+            "title": session.experiment.title,
+            "participant": session.identity.participant,
+        }
 
     def _hello(self, client: ClientConnection, hello: Hello) -> None:
         if hello.protocol != PROTOCOL:

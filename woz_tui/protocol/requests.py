@@ -188,6 +188,12 @@ class AskTakeOver(Request, frozen=True, kw_only=True, tag="take-over"):
     """
 
 
+class AskAbout(Request, frozen=True, kw_only=True, tag="about"):
+    """Which session is this? It needs no hello, and the log does not tell who asked. The reply's
+    `data` has `session`, `title` and `participant`.
+    """
+
+
 class AskDescribe(Request, frozen=True, kw_only=True, tag="describe"):
     """What can be asked for? The reply's `data` is a `description.Description`."""
 
@@ -409,6 +415,7 @@ REQUESTS: tuple[type[Request], ...] = (
     AskCancel,
     AskEmptyQueue,
     AskTakeOver,
+    AskAbout,
     AskDescribe,
     AskPredict,
     AskSet,

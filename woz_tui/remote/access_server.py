@@ -30,7 +30,7 @@ from aiohttp.http import HttpProcessingError
 from woz_tui.network.certificates import AccessError, Authority
 from woz_tui.network.listen_address import ListenAddress
 from woz_tui.protocol import codec
-from woz_tui.protocol.requests import AskStop, AskTakeOver, Beat, Hello, Reply, Request
+from woz_tui.protocol.requests import AskAbout, AskStop, AskTakeOver, Beat, Hello, Reply, Request
 from woz_tui.remote.parent_lines import announce, standard_input
 from woz_tui.system.clock import Clock, RealClock
 from woz_tui.system.tasks import until_first_ends
@@ -134,6 +134,8 @@ class RequestFilter:
         if isinstance(request, Hello) and request.role not in MAY_BE[self._role]:
             may_be = " or ".join(MAY_BE[self._role])
             return f"{self._name} may be {may_be} here, not {request.role} (session: access)"
+        if isinstance(request, AskAbout):
+            return "only programs on the robot's computer are told this without a hello"
         if isinstance(request, AskTakeOver) and self._role != "wizard":
             return f"{self._name} may not play the robot: the experiment says {self._role}"
         return ""

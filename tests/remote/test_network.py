@@ -345,6 +345,13 @@ def test_requests_that_were_damaged_make_nobody_more_than_they_are(seed: int, ro
                 assert request.via == "anna"
 
 
+def test_who_comes_from_afar_says_hello_before_hearing_which_session_it_is() -> None:
+    passed, answer = RequestFilter("anna", "program", ManualClock()).passed(b'{"kind":"about"}')
+    assert not passed
+    assert answer is not None
+    assert "without a hello" in answer.reason
+
+
 def test_a_flood_is_refused_and_a_stop_in_it_is_not() -> None:
     clock = ManualClock()
     requests = RequestFilter("anna", "wizard", clock)

@@ -55,7 +55,7 @@ def test_what_is_proposed_keeps_the_options(
 ) -> None:
     assert attach.find_socket(arguments(*words)) is None
     told = capsys.readouterr().err
-    proposed = [line.partition("   # for ") for line in sorted(told.splitlines()[1:])]
+    proposed = [line.partition("   # running ") for line in sorted(told.splitlines()[1:])]
     assert [line for line, _, _ in proposed] == [f"  woz attach S0{n}{options}" for n in (1, 2)]
     assert all(age.endswith(" min") for _, _, age in proposed), "how long it has been running"
 
@@ -105,8 +105,8 @@ async def test_the_list_says_what_runs_there_and_for_whom(
         assert await asyncio.to_thread(attach.find_socket, arguments()) is None
     told = sorted(capsys.readouterr().err.splitlines()[1:])
     assert told == [
-        "  woz attach S01   # for 0 min: Made by hand, P08",
-        "  woz attach S02   # for 0 min: Made by hand, no participant yet",
+        "  woz attach S01   # Made by hand, P08, running 0 min",
+        "  woz attach S02   # Made by hand, no participant yet, running 0 min",
     ]
 
 

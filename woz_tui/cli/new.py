@@ -45,7 +45,7 @@ def add(parser: ArgumentParser) -> None:
     """Declare the command's options: the questions' in the order in which they are asked."""
     parser.formatter_class = RawDescriptionHelpFormatter
     parser.epilog = _EXAMPLES
-    parser.add_argument("file", type=Path, help="the file to write; never one that is there")
+    parser.add_argument("file", type=Path, help="new file (must not exist)")
     parser.add_argument(
         "--template",
         choices=tuple(TEMPLATES),
@@ -53,9 +53,7 @@ def add(parser: ArgumentParser) -> None:
         metavar="NAME",
         help=f"what the robot does: {listed(tuple(TEMPLATES), 'or')} (default: interview)",
     )
-    parser.add_argument(
-        "--yes", action="store_true", help="ask nothing: take the defaults where no option says"
-    )
+    parser.add_argument("--yes", action="store_true", help="use the defaults without asking")
     asked = parser.add_argument_group(
         "five questions", "Asked in this order; enter takes the default. An option answers its own."
     )

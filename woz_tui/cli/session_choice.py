@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from woz_tui.protocol import codec
 from woz_tui.protocol.requests import AskAbout, Reply
 from woz_tui.system import session_sockets
-from woz_tui.system.text_cleaning import visible
+from woz_tui.system.text_cleaning import one_line
 
 if TYPE_CHECKING:
     from woz_tui.cli.remote_start import RemoteLine
@@ -113,8 +113,8 @@ def find_session(name: str, command: str, options: str = "") -> Path | None:
         return running[0]
     if running:
         names = "\n".join(
-            f"  {command} {path.stem}{options}   # for {session_sockets.age_s(path) // 60:.0f} min"
-            f"{_about(path)}"
+            f"  {command} {path.stem}{options}   # {_about(path)}running"
+            f" {session_sockets.age_s(path) // 60:.0f} min"
             for path in running
         )
         print(f"woz: which session?\n{names}", file=sys.stderr)
@@ -141,4 +141,4 @@ def _about(path: Path) -> str:
     if not isinstance(told, dict):
         return ""
     who = told.get("participant") or "no participant yet"
-    return visible(f": {told.get('title')}, {who}")
+    return one_line(f"{told.get('title')}, {who}, ")

@@ -92,7 +92,7 @@ def test_sentences_that_were_typed_anew_are_counted_where_they_were_said() -> No
     assert [part.edited for part in figures.parts] == [1, 2]
     assert [part.acts for part in figures.parts] == [2, 3], "they are acts as any other"
     rows = {row[0]: row[1:] for row in report_tables.figures_table(figures).rows}
-    assert rows["Edited actions"] == ["3", "1", "2"]
+    assert rows["Sentences edited before said"] == ["3", "1", "2"]
 
 
 def test_mistakes_count_once_and_where_the_act_was() -> None:

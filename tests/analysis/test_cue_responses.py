@@ -266,10 +266,10 @@ def test_fewer_than_five_reactions_have_no_main_figure() -> None:
             session.speech(20 * place + 1, 20 * place + 3).act(20 * place + 4)
         figures = session_figures(session.end(200))
         shown = {str(row[0]) for row in figures_table(figures).rows}
-        assert ("Reaction, median" in shown) is (cues == 5)
+        assert ("Reaction time, median" in shown) is (cues == 5)
         grouped = GroupedSessions()
         grouped.add(figures)
-        assert ("React" in condition_rows(grouped.rows).heads) is (cues == 5)
+        assert ("Reaction" in condition_rows(grouped.rows).heads) is (cues == 5)
         assert cues_table(figures).rows[0][-3] == "1.00 s", (
             "the table of cues says how long each took"
         )

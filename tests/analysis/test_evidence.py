@@ -46,7 +46,7 @@ def test_the_report_counts_how_the_ends_of_each_verb_are_known() -> None:
     known = {verb: dict(times.evidence) for verb, times in figures.whole.verbs.items()}
     assert known == {"pose": {"timed": 1, "measured": 1}, "say": {"reported": 1}}
     table = commands(figures)
-    heads = ["Verb", "Sent", "measured", "reported", "timed"]
+    heads = ["Command", "Sent", "measured", "reported", "timed"]
     assert [*table.heads[:5]] == heads
     assert [[str(cell) for cell in row[:5]] for row in table.rows] == [
         ["pose", "2", "1", "", "1"],

@@ -105,7 +105,7 @@ def test_settings_that_differed_are_on_the_page_and_nothing_of_those_that_did_no
     _, out, _ = run_report(capsys, "report", example.written(here))
     assert max(map(len, lines(out))) <= 80
     rows = [" ".join(line.split()) for line in lines(out)]
-    assert "Robot's settings differed 37.0 s 9.00 s 20.0 s 8.00 s" in rows
+    assert "Settings not as requested 37.0 s 9.00 s 20.0 s 8.00 s" in rows
     # Trial 1 until 0:29, trial 2 from 0:34; from 0:52 to 0:55 the robot was lost.
     table = rows.index("Robot settings that differed from the requested ones")
     assert rows[table + 2 : table + 6] == [
@@ -114,6 +114,15 @@ def test_settings_that_differed_are_on_the_page_and_nothing_of_those_that_did_no
         "volume 0.8 0.6 2 cold 0:34 20.0 s",
         "volume 0.8 0.6 - cold 0:57 3.00 s",
     ]
+
+
+def test_trials_that_do_not_count_are_named(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    example = ExampleSession()
+    for number, outcome in enumerate(("done", "aborted", "excluded"), start=1):
+        example.add(10 * number, m.TrialStarted(trial=number, condition="warm"))
+        example.add(10 * number + 5, m.TrialEnded(trial=number, outcome=outcome))
+    _, out, _ = run_report(capsys, "report", example.end(50).written(here))
+    assert "not counted: trials 2 (aborted), 3 (excluded)" in out
 
 
 def test_many_sessions_on_a_page_of_80_columns(here: Path) -> None:
@@ -129,7 +138,7 @@ def test_a_wide_page_uses_its_width(here: Path) -> None:
     _, out, _ = woz("report", path, environ={"COLUMNS": "160"})
     widths = [len(line) for line in out.splitlines()]
     assert 140 < max(widths) <= 160
-    assert any("Figures" in line and "Actions" in line for line in out.splitlines())
+    assert any("Main figures" in line and "Actions" in line for line in out.splitlines())
     assert "\x1b" not in out
 
 

@@ -70,7 +70,7 @@ MEASURES: tuple[Measure, ...] = (
         "time in trials of this condition; in a session without trials, time in this condition; "
         "of a whole session from its first to its last line of actions, without trials that do not "
         "count",
-        "length", lambda part: part.us / 1e6,
+        "duration", lambda part: part.us / 1e6,
     ),
     Measure(
         "trials", "", "trials that were begun and count (see `counted` of trials)",
@@ -78,7 +78,7 @@ MEASURES: tuple[Measure, ...] = (
     ),
     Measure(
         "actions", "", "lines `action.requested`, from every source and with every result",
-        "actions", lambda part: part.actions,
+        "all actions", lambda part: part.actions,
     ),
     Measure("actions_done", "", "actions that ended with `action.done`, and of which something "
             "was sent", "done",
@@ -112,7 +112,7 @@ MEASURES: tuple[Measure, ...] = (
         "was said", "edited", lambda part: part.edited,
     ),
     Measure(
-        "wizard_actions", "", "`prepared_actions` + `improvised_actions`", "acts",
+        "wizard_actions", "", "`prepared_actions` + `improvised_actions`", "actions",
         lambda part: part.acts,
     ),
     Measure(
@@ -133,15 +133,15 @@ MEASURES: tuple[Measure, ...] = (
         "press_median_ms", "ms", "median time from the request of a wizard action to the first "
         "start of a robot's driver for it; waits before that, being held back by shaping and the "
         "queue behind an earlier act are part of it",
-        "press", lambda part: milliseconds(part.press.median),
+        "key to robot", lambda part: milliseconds(part.press.median),
     ),
-    Measure("press_p95_ms", "ms", "95 % quantile of this time", "press p95",
+    Measure("press_p95_ms", "ms", "95 % quantile of this time", "key to robot p95",
             lambda part: milliseconds(part.press.p95)),
-    Measure("press_max_ms", "ms", "longest of this time", "press max",
+    Measure("press_max_ms", "ms", "longest of this time", "key to robot max",
             lambda part: milliseconds(part.press.most)),
     Measure(
         "action_median_s", "s", "median time from `action.requested` to `action.done`, waits "
-        "between its steps included", "took", lambda part: seconds(part.took.median),
+        "between its steps included", "action took", lambda part: seconds(part.took.median),
     ),
     Measure("action_p95_s", "s", "95 % quantile of this time", "took p95",
             lambda part: seconds(part.took.p95)),
@@ -166,11 +166,11 @@ MEASURES: tuple[Measure, ...] = (
             lambda part: reactions(part).results.get("cut", 0)),
     Measure(
         "reaction_median_s", "s", "median time from a cue to the wizard action that answered it",
-        "react", lambda part: seconds(reactions(part).times.median),
+        "reaction", lambda part: seconds(reactions(part).times.median),
     ),
-    Measure("reaction_p95_s", "s", "95 % quantile of this time", "react p95",
+    Measure("reaction_p95_s", "s", "95 % quantile of this time", "reaction p95",
             lambda part: seconds(reactions(part).times.p95)),
-    Measure("reaction_max_s", "s", "longest of this time", "react max",
+    Measure("reaction_max_s", "s", "longest of this time", "reaction max",
             lambda part: seconds(reactions(part).times.most)),
     *_cues_of("speech", "the visitor's speech has ended (`ended` of `speech.ended`)"),
     *_cues_of("engagement", "the engagement model has entered a state in which the visitor waits"),
@@ -196,7 +196,7 @@ MEASURES: tuple[Measure, ...] = (
     ),
     Measure("episode_median_s", "s", "median length of these pieces, each up to its cut",
             "episode", lambda part: seconds(part.engagement.episodes.median)),
-    Measure("transitions", "", "lines `engagement.changed`", "moves",
+    Measure("transitions", "", "lines `engagement.changed`", "transitions",
             lambda part: sum(sum(row.values()) for row in part.engagement.transitions.values())),
     Measure("transitions_forced", "", "those of them that were forced by hand", "forced",
             lambda part: part.engagement.forced),
@@ -221,8 +221,8 @@ MEASURES: tuple[Measure, ...] = (
         "mistakes",
         lambda part: part.mistakes,
     ),
-    Measure("mistake_rate", "share", "`mistakes` / `wizard_actions`; empty without acts", "mist. %",
-            lambda part: part.mistake_rate),
+    Measure("mistake_rate", "share", "`mistakes` / `wizard_actions`; empty without acts",
+            "mistakes %", lambda part: part.mistake_rate),
     Measure(
         "stops",
         "",
@@ -242,21 +242,28 @@ MEASURES: tuple[Measure, ...] = (
 BY_NAME = {measure.name: measure for measure in MEASURES}
 #: In tables that people read, where the name would not do.
 _TITLES = {
-    "duration": "Length",
-    "gap_median_s": "Gap between them, median",
+    "duration": "Duration",
+    "actions_superseded": "Actions replaced",
+    "actions_open": "Actions without an end",
+    "edited_actions": "Sentences edited before said",
+    "gap_median_s": "Between wizard actions, median",
     "press_median_ms": "Key to robot, median",
-    "press_p95_ms": "Key to robot, p95",
+    "press_p95_ms": "Key to robot, 95th percentile",
     "press_max_ms": "Key to robot, longest",
-    "action_median_s": "Request to end, median",
-    "reaction_median_s": "Reaction, median",
-    "reaction_p95_s": "Reaction, p95",
-    "engaged_share": "Engaged",
-    "episode_median_s": "Episode, median",
-    "settings_differ_s": "Robot's settings differed",
-    "settings_differ_share": "Of the time known",
-    "speech_s": "Speech of the visitor",
-    "held_median_s": "Held back, median",
-    "mistake_rate": "Mistakes by wizard actions",
+    "action_median_s": "Duration of an action, median",
+    "reaction_median_s": "Reaction time, median",
+    "reaction_p95_s": "Reaction time, 95th percentile",
+    "engaged_share": "Time engaged",
+    "episodes": "Engagement episodes",
+    "episode_median_s": "Engagement episode, median",
+    "settings_differ_s": "Settings not as requested",
+    "settings_differ_share": "Settings not as requested, share",
+    "utterances": "Visitor's utterances",
+    "speech_s": "Visitor's speech",
+    "actions_held": "Answers delayed on purpose",
+    "held_median_s": "Delay on purpose, median",
+    "mistake_rate": "Mistakes, share of wizard actions",
+    "stops": "Emergency stops",
 }
 
 

@@ -59,6 +59,8 @@ PAGE_COLUMNS = (
     *("duration", "trials", "wizard_actions", "reaction_median_s", "cues_missed"),
     *("press_median_ms", "engaged_share", "mistakes", "stops"),
 )
+#: The heading over `circumstances`.
+NOTES = "Notes on the session"
 #: Of fewer reactions than this no main figure says how long they took: their table does.
 FEWEST = 5
 _OF_REACTIONS = ("reaction_median_s", "reaction_p95_s")
@@ -142,6 +144,10 @@ def _occurring(ends: Iterable[str], rows: Iterable[Mapping[str, int]]) -> list[s
     return [end for end in ends if any(row.get(end) for row in rows)]
 
 
+def _end_title(end: str) -> str:
+    return {"superseded": "replaced", "open": "no end"}.get(end, end.replace("_", " "))
+
+
 def _counts(ends: Iterable[str], row: Mapping[str, int]) -> list[str]:
     return [str(row.get(end) or "") for end in ends]
 
@@ -162,7 +168,7 @@ def figures_table(figures: SessionFigures) -> ReportTable:
             if set(cells) == {NONE}:
                 continue
             rows.append([title_of(measure.name), *cells])
-    return ReportTable("Figures", ["", "All", *heads], rows, definitions=_DEFINITIONS)
+    return ReportTable("Main figures", ["", "All", *heads], rows, definitions=_DEFINITIONS)
 
 
 def _part_name(part: PartFigures, *, alone: bool) -> LogText:
@@ -190,7 +196,7 @@ def actions(figures: SessionFigures) -> ReportTable:
     ]
     return ReportTable(
         "Actions",
-        ["Action", "Panel", "Source", "All", *(end.replace("_", " ") for end in ends)],
+        ["Action", "Panel", "Source", "All", *map(_end_title, ends)],
         rows,
         words=3,
     )
@@ -209,7 +215,15 @@ def wizards(figures: SessionFigures) -> ReportTable:
         )
         for each, row in counts
     ]
-    heads = ["Part", "Console", "Actions", *ends, "Improvised", "Edited", "Mistakes"]
+    heads = [
+        "Part",
+        "Console",
+        "Actions",
+        *map(_end_title, ends),
+        "Improvised",
+        "Edited",
+        "Mistakes",
+    ]
     return ReportTable("Wizards", heads, rows, words=2)
 
 
@@ -226,9 +240,10 @@ def commands(figures: SessionFigures) -> ReportTable:
         )
         for verb, times in found
     ]
-    heads = ("Verb", "Sent", *(end.replace("_", " ") for end in ends), *known)
-    title = "Commands: request to start, start to end (median, p95, longest)"
-    return ReportTable(title, [*heads, "To start", "p95", "max", "To end", "p95", "max"], rows)
+    heads = ["Command", "Sent", *map(_end_title, ends), *known]
+    heads += ["To start", "p95", "Longest", "To end", "p95", "Longest"]
+    title = "Commands to the robot: request to start, start to end (median, p95, longest)"
+    return ReportTable(title, heads, rows)
 
 
 _RESULT_TITLES = {
@@ -255,7 +270,8 @@ def cues(figures: SessionFigures) -> ReportTable:
         for cue_type, each in found.items()
     ]
     heads = ["Cue", "All", *map(_RESULT_TITLES.__getitem__, results), "Median", "p95", "Longest"]
-    title = f"Reactions: cue to the next wizard action (window {figures.window_us / 1e6:g} s)"
+    window = f"window {figures.window_us / 1e6:g} s"
+    title = f"Cues and reaction times: cue to the next wizard action ({window})"
     return ReportTable(title, heads, rows, definitions=_RESULT_MEASURES)
 
 
@@ -276,8 +292,8 @@ def states(figures: SessionFigures) -> ReportTable:
         )
         for name, visits, us, lengths in lasting
     ]
-    heads = ("State", "Visits", "Time", "Share", "Median", "Longest")
-    return ReportTable("Engagement", heads, rows, total=True)
+    heads = ("State", "Entered", "Time", "Share", "Median", "Longest")
+    return ReportTable("Engagement: time in each state", heads, rows, total=True)
 
 
 def people(figures: SessionFigures) -> ReportTable:
@@ -294,7 +310,7 @@ def people(figures: SessionFigures) -> ReportTable:
         )
         for row in figures.people
     ]
-    return ReportTable("People", ("Sensor", "People", "Time", "Share"), rows)
+    return ReportTable("People present", ("Sensor", "People", "Time", "Share"), rows)
 
 
 #: So many people who were addressed are listed, the longest ones.
@@ -319,7 +335,7 @@ def addressed(figures: SessionFigures) -> ReportTable:
         times = _addressed_times(rule_us, hand_us, whole)
         lines.append((LogText(""), f"{len(rest)} others", LogText(""), *times))
     heads = ("Sensor", "Face", "Name", "By rule", "By hand", "Share")
-    return ReportTable("Addressed", heads, lines)
+    return ReportTable("People whom the robot addressed", heads, lines)
 
 
 def _addressed_times(rule_us: int, hand_us: int, whole_us: int) -> tuple[str, str, str]:
@@ -406,8 +422,8 @@ def stops(figures: SessionFigures) -> ReportTable:
         )
         for stop in figures.stops
     ]
-    heads = ("At", "By", "Reach", "Confirmed by", "Not confirmed by", "Within", "Released after")
-    return ReportTable("Stops", heads, rows, words=5)
+    heads = ("At", "By", "Scope", "Confirmed by", "Not confirmed by", "Within", "Released after")
+    return ReportTable("Emergency stops", heads, rows, words=5)
 
 
 def blocks(figures: SessionFigures) -> ReportTable:
@@ -422,7 +438,7 @@ def blocks(figures: SessionFigures) -> ReportTable:
         for row in figures.blocks
     ]
     heads = ("At", "Block", "By", "Ended", "Not played", "Lasted", "Behaviours")
-    return ReportTable("Blocks of behaviour", heads, rows, words=5)
+    return ReportTable("Behaviour blocks (BML)", heads, rows, words=5)
 
 
 def marks(figures: SessionFigures) -> ReportTable:
@@ -457,7 +473,7 @@ def answers(figures: SessionFigures) -> ReportTable:
 
 
 def circumstances(figures: SessionFigures) -> Iterator[str]:
-    """Whatever else there is to be said about a session, in sentences."""
+    """Whatever else there is to be said about a session, in sentences (`NOTES`)."""
     if figures.order:
         yield f"order of conditions: {', '.join(figures.order)} ({figures.order_method})"
     if figures.breaks:
@@ -468,7 +484,7 @@ def circumstances(figures: SessionFigures) -> Iterator[str]:
         yield (
             f"training: {training.right} of {counted(training.cues, 'cue')} answered correctly"
             f" ({percent(training.score)}), {training.wrong} wrongly, {training.missed} missed,"
-            f" {counted(training.uncalled, 'action')} uncalled;"
+            f" {counted(training.uncalled, 'action')} without a cue;"
             f" reaction {duration(training.times.median)} (median)"
         )
     for title in figures.unanswered:
@@ -585,5 +601,5 @@ def trainings(grouped: GroupedSessions) -> ReportTable:
         for each in sorted(grouped.trainings, key=lambda each: (each.wizard, each.started))
         for it in (each.training,)
     ]
-    heads = ("Wizard", "Session", "Cues", "Right", "Wrong", "Missed", "Uncalled", "Score")
-    return ReportTable("Trainings", [*heads, "Reaction"], rows, words=2)
+    heads = ("Wizard", "Session", "Cues", "Right", "Wrong", "Missed", "No cue", "Score")
+    return ReportTable("Wizard training", [*heads, "Reaction"], rows, words=2)

@@ -54,7 +54,7 @@ def show_session(page: ReportPage, report: SessionReport, top: int = TOP) -> Non
     page.print(page.block(tables.marks(figures), top))
     sentences = list(tables.circumstances(figures))
     if sentences:
-        page.head("Circumstances")
+        page.head(tables.NOTES)
     for sentence in sentences:
         page.say(sentence)
 
@@ -116,8 +116,8 @@ def title(page: ReportPage, figures: SessionFigures) -> None:
         page.trouble(f"a re-run of {figures.rerun_of}: its actions come from that log")
     left_out = [trial for trial in figures.trials if not trial.counted]
     if left_out and not figures.all_trials:
-        outcomes = ", ".join(f"{trial.trial} {trial.left_out}" for trial in left_out)
-        page.trouble(f"not counted: {counted(len(left_out), 'trial')} ({outcomes})")
+        outcomes = ", ".join(f"{trial.trial} ({trial.left_out})" for trial in left_out)
+        page.trouble(f"not counted: trial{'s' * (len(left_out) > 1)} {outcomes}")
     left = excluded_sentence((part.participant, part.counted) for part in figures.parts)
     if left and figures.of_study:
         page.trouble(left)

@@ -60,7 +60,13 @@ def glossary() -> Markup:
             "practice, cut off), unless all trials were asked for; "
             "timelines and lists of events show everything.",
         ),
-        tag("dl", entries, tag("dt", "Median, p95"), tag("dd", _PERCENTILE), class_="glossary"),
+        tag(
+            "dl",
+            entries,
+            tag("dt", "Median, p95 (95th percentile)"),
+            tag("dd", _PERCENTILE),
+            class_="glossary",
+        ),
         class_="figures",
         aria_labelledby="figures",
     )

@@ -247,8 +247,8 @@ def _distributions(figures: SessionFigures) -> Markup | None:
             (name, text, series)
             for name, text, series in (
                 ("press_median_ms", "Key to robot", whole.press),
-                ("action_median_s", "Request to end", whole.took),
-                ("gap_median_s", "Gaps between wizard actions", whole.gaps),
+                ("action_median_s", "Duration of an action", whole.took),
+                ("gap_median_s", "Time between wizard actions", whole.gaps),
             )
             if series.n
         ),
@@ -284,4 +284,4 @@ def _tables(figures: SessionFigures) -> Iterator[Markup | None]:
         yield table(each(figures))
     sentences = [tag("li", isolated(sentence)) for sentence in tables.circumstances(figures)]
     if sentences:
-        yield tag("div", tag("h3", "Circumstances"), tag("ul", sentences))
+        yield tag("div", tag("h3", tables.NOTES), tag("ul", sentences))

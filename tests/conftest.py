@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from tests.example_counts import EXAMPLES
-from woz_tui.system.user_folders import SEEN
+from woz_tui.system.user_folders import SEEN, WIZARD
 from woz_tui.testing import contract_checks
 
 # Machines are shared and slow: how long an example took says nothing about the code.
@@ -63,6 +63,7 @@ def state_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
         state = tmp_path_factory.mktemp("state")
         (state / SEEN).parent.mkdir(parents=True)
         (state / SEEN).touch()  # nobody's first start
+        (state / WIZARD).touch()  # and nobody is asked who plays
         patch.setenv("XDG_STATE_HOME", str(state))
         patch.setenv("WOZ_SILENT", "1")  # demos
         patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))

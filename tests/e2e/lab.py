@@ -26,6 +26,7 @@ from tests.fakes.terminal import ROOT, WAIT_S, FakeTerminal
 from woz_tui.log import log_reader
 from woz_tui.log.line_reader import decode
 from woz_tui.system.session_sockets import answers
+from woz_tui.system.user_folders import WIZARD
 
 #: Between two looks at a file or a process, in seconds.
 LOOK_S = 0.02
@@ -53,6 +54,8 @@ class Lab:
         self.recordings = self.folder / "recordings"
         self.runtime = self.folder / "run"
         self.runtime.mkdir(mode=0o700)
+        (self.folder / "state" / WIZARD).parent.mkdir(parents=True)
+        (self.folder / "state" / WIZARD).touch()  # nobody is asked who plays
         self.environ = {
             "XDG_RUNTIME_DIR": str(self.runtime),
             "XDG_STATE_HOME": str(self.folder / "state"),

@@ -21,6 +21,7 @@ from woz_tui.cli.shared_options import (
     part_again,
     start_options,
 )
+from woz_tui.cli.wizard_code import wizard_code
 
 #: Options of `run` that `host` is given as they are.
 _CODES = ("session", "participant", "condition", "wizard", "seed")
@@ -58,13 +59,14 @@ def play(
     """A session on `experiment`, with another `robot` than its own if one is named; the exit
     code.
     """
-    return console_start.with_terminal(
-        lambda: _play(arguments, experiment, robot, shown or Shown())
-    )
+    return console_start.with_terminal(lambda: _play(arguments, experiment, robot, shown))
 
 
-def _play(arguments: Namespace, experiment: Path, robot: str, shown: Shown) -> int:
+def _play(arguments: Namespace, experiment: Path, robot: str, demo: Shown | None) -> int:
     own_keys = builtins(arguments)
+    if demo is None and experiment.is_file():
+        arguments.wizard = wizard_code(arguments.wizard)
+    shown = demo or Shown()
     command = _host_command(arguments, experiment, robot)
     if shown.fitted:
         command.append("--fitted")

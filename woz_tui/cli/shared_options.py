@@ -31,7 +31,9 @@ def add_session(parser: ArgumentParser) -> None:
     parser.add_argument("--session", default="", help="session code (default: the next free one)")
     parser.add_argument("--participant", default="", help="participant code (no names)")
     parser.add_argument("--condition", default="", help="one of the experiment's conditions")
-    parser.add_argument("--wizard", default="", help="the wizard's code (no names)")
+    parser.add_argument(
+        "--wizard", default="", help="the wizard's code (no names); `woz run` remembers it"
+    )
     for option in start_options().values():
         parser.add_argument(option.flag, default="", help=option.help)
     parser.add_argument("--seed", type=int, default=0, help="seed of all random choices")

@@ -16,6 +16,7 @@ from woz_tui.cli.console_start import ScreenOptions, run_session
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.host_start import host_arguments
 from woz_tui.cli.shared_options import add_keymap, add_robot, add_theme, builtins
+from woz_tui.cli.wizard_code import remembered_wizard, wizard_code
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.session.participant_identity import check_code
 from woz_tui.training.score_history import TrainingScore, history, score_of
@@ -27,7 +28,9 @@ FOLDER = Path("recordings/training")
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("experiment", type=Path, nargs="?", help="experiment file")
-    parser.add_argument("--wizard", default="", help="code of the wizard, for the scores")
+    parser.add_argument(
+        "--wizard", default="", help="code of the wizard, for the scores (default: as given last)"
+    )
     parser.add_argument(
         "--count",
         type=number(1, 1000, whole=True),
@@ -56,6 +59,7 @@ def run(arguments: Namespace) -> int:
     """Train, or show the scores."""
     if arguments.history:
         return with_error_sentences(lambda: _history(arguments))
+    arguments.wizard = arguments.wizard or remembered_wizard() or ""
     refusal = _refusal(arguments)
     if refusal:
         print(f"woz: {refusal}", file=sys.stderr)
@@ -84,6 +88,7 @@ def _history(arguments: Namespace) -> int:
 
 def _train(arguments: Namespace) -> int:
     check_code(arguments.wizard, "wizard")
+    wizard_code(arguments.wizard)
     own_keys = builtins(arguments)
     result = run_session(
         _host_command(arguments),

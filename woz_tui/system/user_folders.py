@@ -9,6 +9,8 @@ from pathlib import Path
 
 #: A file that is there once a console has been opened.
 SEEN = Path("woz-tui", "console-seen")
+#: The code of the wizard who played last.
+WIZARD = Path("woz-tui", "wizard")
 
 
 def config_folder(environ: Mapping[str, str] = os.environ) -> Path:

@@ -60,6 +60,13 @@ async def test_enter_with_a_wrong_code_says_what_is_wrong_with_the_code() -> Non
         assert "'P1' is no code: it must look like P01" in pilot.drawn()
 
 
+async def test_it_says_who_plays_and_how_another_wizard_says_so() -> None:
+    async with piloted_console() as pilot:
+        await open_dialog(pilot, "StartDialog")
+        await pilot.until(lambda: "Wizard W2; another: woz run --wizard CODE" in pilot.drawn())
+        assert "ctrl+q closes" in pilot.drawn(), "the hint has room in 80 columns"
+
+
 async def test_enter_on_a_condition_chooses_it_and_accepts() -> None:
     async with piloted_console() as pilot:
         await open_dialog(pilot, "StartDialog")

@@ -10,6 +10,7 @@ import pytest
 from tests.e2e import scenes
 from tests.e2e.lab import Lab, until
 from tests.fakes.terminal import WAIT_S
+from woz_tui.system.user_folders import WIZARD
 
 pytestmark = pytest.mark.real_clock
 
@@ -77,6 +78,15 @@ def test_without_a_terminal_it_is_refused(lab: Lab, command: str) -> None:
     assert "needs a terminal" in error_text(process)
     assert process.returncode == 2
     assert lab.sockets() == []
+
+
+def test_the_first_session_asks_who_plays(lab: Lab) -> None:
+    (lab.folder / "state" / WIZARD).unlink()
+    file = lab.file("guide.yaml", scenes.guide())
+    terminal = lab.terminal(["run", str(file), *lab.session()])
+    terminal.wait_text("Your code as the wizard, such as W1 (no name; enter: none):")
+    terminal.send("W3\r")
+    assert lab.log.wait("session.start").fields["wizard"] == "W3"
 
 
 def test_a_console_that_cannot_open_leaves_no_robot_process(lab: Lab) -> None:

@@ -145,7 +145,7 @@ class StartDialog(FormDialog):
     """
 
     heading = "Participant"
-    hint = "tab: next field · arrows: condition · enter accepts · ctrl+q closes"
+    hint = "tab: next · arrows: condition · enter accepts · ctrl+q closes"
 
     def __init__(self) -> None:
         super().__init__()
@@ -174,6 +174,9 @@ class StartDialog(FormDialog):
                     yield ConditionButton(condition, condition == study.condition, self.glyphs)
         yield Static("Trial (optional)", classes="caption")
         yield Input("" if study.number is None else str(study.number), id="trial")
+        if start := state.session.start:
+            wizard = f"Wizard {clean(start.wizard)}; another" if start.wizard else "Wizard's code"
+            yield Static(f"{wizard}: woz run --wizard CODE", classes="caption")
         yield Static("", id="wrong", classes="wrong")
 
     def on_mount(self) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS, by_key
-from woz_tui.console.input.keyboard import SEQUENCE_S, ArrowSizes, Keyboard
+from woz_tui.console.input.keyboard import EARLY_LIMIT, SEQUENCE_S, ArrowSizes, Keyboard
 from woz_tui.protocol.requests import (
     AskAction,
     AskMarker,
@@ -47,6 +47,24 @@ def test_a_bound_key_is_asked_for_and_shown(rig: Rig) -> None:
 
     assert rig.feed.asked == [AskAction(action="Hello", source="key", key="h", age_us=7)]
     assert rig.pressed == [("h", "Hello", 1)]
+
+
+def test_before_there_is_a_session_letters_are_kept_and_nothing_is_played(rig: Rig) -> None:
+    rig.keyboard.wait_for_session(["P", "enter"])
+    for chord in ("h", "backspace", "0", "f1", "ctrl+d", "7", "enter"):
+        assert rig.keyboard.arrive(chord)
+    assert not rig.keyboard.arrive("ctrl+q"), "who wants to leave can"
+    rig.keyboard.stop("escape")
+    assert rig.feed.asked == [AskStop(source="key")]
+    assert rig.keyboard.session_came() == "P07"
+    assert rig.keyboard.session_came() == ""
+    assert rig.keyboard.arrive("h")
+    assert isinstance(rig.feed.asked[-1], AskAction)
+
+
+def test_what_is_typed_early_has_an_end(rig: Rig) -> None:
+    rig.keyboard.wait_for_session("x" * 10_000)
+    assert len(rig.keyboard.session_came()) == EARLY_LIMIT
 
 
 def test_an_unbound_key_is_left_to_the_screen(rig: Rig) -> None:

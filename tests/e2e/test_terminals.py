@@ -80,6 +80,31 @@ def test_without_a_terminal_it_is_refused(lab: Lab, command: str) -> None:
     assert lab.sockets() == []
 
 
+def test_a_code_that_is_typed_while_the_session_starts_stands_in_the_dialog(lab: Lab) -> None:
+    file = lab.file("guide.yaml", scenes.guide())
+    terminal = lab.terminal(["run", str(file), "--recordings", str(lab.recordings)])
+    terminal.send("P07\r")
+    terminal.wait_text("│ P07 ")
+    terminal.send("8")
+    terminal.wait_text("│ P078 ")
+    assert "A participant needs" not in terminal.text
+    assert lab.log.lines("session.changed") == [], "enter was pressed before anybody could see it"
+
+
+def test_keys_that_are_pressed_before_the_screen_is_there_play_nothing(lab: Lab) -> None:
+    text = scenes.guide().replace(
+        "robot: simulated",
+        "robot: {drivers: {robot: {type: simulated},"
+        " far: {type: rangefinder, port: /dev/none, framing: lines}}}",
+    )
+    terminal = lab.terminal(["run", str(lab.file("guide.yaml", text)), *lab.session()])
+    terminal.send("h\r*/\r")
+    terminal.wait_text("Keys pressed during the start were not played")
+    terminal.send("n")
+    assert lab.log.wait("action.requested").fields["action"] == "Nod"
+    assert not any(f"╭─ {box}" in terminal.text for box in ("Failed", "Trial", "Say"))
+
+
 def test_the_first_session_asks_who_plays(lab: Lab) -> None:
     (lab.folder / "state" / WIZARD).unlink()
     file = lab.file("guide.yaml", scenes.guide())

@@ -26,6 +26,7 @@ from woz_tui.system.user_folders import is_first_start
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
     from woz_tui.console.drawing.theme import Appearance
+    from woz_tui.console.input.background_colour import TerminalBackground
     from woz_tui.console.input.keyboard import Keyboard
     from woz_tui.console.link.host_connection import HostConnection
     from woz_tui.console.link.message_feed import Loss
@@ -144,7 +145,7 @@ def make_console(options: ScreenOptions) -> Console:
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
     from woz_tui.machine.hidden_line import hidden_line  # noqa: PLC0415
 
-    look, stops = detect_appearance(options.theme)
+    look, pressed = detect_appearance(options.theme)
     link = HostConnection(
         options.socket,
         role="watcher" if options.watch else "wizard",
@@ -154,9 +155,11 @@ def make_console(options: ScreenOptions) -> Console:
         explain=options.explain,
         line=hidden_line(os.environ),
     )
+    keyboard = _connect(link, pressed.stops)
+    keyboard.wait_for_session(pressed.keys)
     app = Console(
         link,
-        _connect(link, stops),
+        keyboard,
         look=look,
         terminal=detect_terminal(os.environ),
         builtins=options.builtins,
@@ -184,27 +187,29 @@ def _connect(link: HostConnection, stops: Sequence[str]) -> Keyboard:
     return keyboard
 
 
-def detect_appearance(theme: str) -> tuple[Appearance, tuple[str, ...]]:
-    """The colours and signs for this terminal, and the stops pressed during the query.
+def detect_appearance(theme: str) -> tuple[Appearance, TerminalBackground]:
+    """The colours and signs for this terminal, and what was pressed during the query.
 
     `theme` as `add_theme` has it; a choice is remembered.
     """
     from woz_tui.console.drawing.theme import choose_appearance, save_theme  # noqa: PLC0415
-    from woz_tui.console.input.background_colour import ask_background  # noqa: PLC0415
+    from woz_tui.console.input.background_colour import (  # noqa: PLC0415
+        TerminalBackground,
+        ask_background,
+    )
 
-    stops: tuple[str, ...] = ()
+    answer = TerminalBackground()
 
     def light() -> bool | None:
-        nonlocal stops
+        nonlocal answer
         answer = ask_background(sys.stdin.fileno(), sys.stdout.fileno())
-        stops = answer.stops
         return answer.light
 
     if theme:
         theme = theme.replace("auto", "")
         save_theme(theme, os.environ)
     look = choose_appearance(os.environ, locale.getencoding(), theme=theme, light=light)
-    return look, stops
+    return look, answer
 
 
 def open_questionnaire(
@@ -221,11 +226,11 @@ def open_questionnaire(
     from woz_tui.console.participant_app import ParticipantApp  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
-    look, stops = detect_appearance(theme)
+    look, pressed = detect_appearance(theme)
     link = HostConnection(
         socket, role="participant", name=os.environ.get("TERM", ""), explain=explain
     )
-    keyboard = _connect(link, stops)
+    keyboard = _connect(link, pressed.stops)
     app = ParticipantApp(link, keyboard, only=only, look=look, driver_class=WizardDriver)
     prioritise_keys()
     return app.run(mouse=False) or "", app.return_code or 0

@@ -236,6 +236,7 @@ class Console(ScreenApp):
             self.news(f"The robot is still turned away ({turned}); press {key}: {label}", "warn")
 
     def _cut(self, loss: Loss, local: int) -> None:
+        self.keyboard.session_came()
         self.state.lose(loss)
         self._loss, self._was_stopped = loss, self.state.session.stop is not None
         self.requests.forget()
@@ -288,7 +289,9 @@ class Console(ScreenApp):
         asks = self.ask_participant and welcome.role == "wizard" and start != self._asked_in
         if asks and not self.state.session.study.participant:
             self._asked_in = start
-            self.do("start")
+            self.do("start")  # what was typed meanwhile goes into its first field
+        elif self.keyboard.session_came():
+            self.news("Keys pressed during the start were not played", "warn")
 
     def _back(self) -> None:
         """The robot process is there again: what it did not play of the keys pressed before."""

@@ -17,7 +17,7 @@ import time
 from dataclasses import dataclass
 
 from woz_tui.console.input.byte_scanner import Scanner
-from woz_tui.console.input.escape_sequences import StopToken, TerminalReply
+from woz_tui.console.input.escape_sequences import Key, StopToken, TerminalReply
 
 QUESTION = b"\x1b]11;?\x1b\\\x1b[c"
 #: How long the answers may take, in seconds.
@@ -28,17 +28,17 @@ _LIGHT = 500
 
 @dataclass(frozen=True, slots=True)
 class TerminalBackground:
-    """Whether the ground is light (None: nobody knows), and the stops that were pressed."""
+    """Whether the ground is light (None: nobody knows), the stops that were pressed, and the other
+    keys.
+    """
 
     light: bool | None = None
     stops: tuple[str, ...] = ()
+    keys: tuple[str, ...] = ()
 
 
 def ask_background(source: int, target: int, window_s: float = WINDOW_S) -> TerminalBackground:
-    """Ask the terminal at the descriptors `source` and `target`; never raises because of it.
-
-    Keys other than the stop are dropped: there is nothing yet that they could mean.
-    """
+    """Ask the terminal at the descriptors `source` and `target`; never raises because of it."""
     try:
         before = termios.tcgetattr(source)
     except termios.error:
@@ -61,6 +61,7 @@ def _read_answer(source: int, until: float) -> TerminalBackground:
     scanner.expects_background = True
     light: bool | None = None
     stops: list[str] = []
+    keys: list[str] = []
     answered = False
     while not answered or scanner.waiting is not None:
         left = until - time.monotonic() if not answered else 0.0
@@ -75,6 +76,8 @@ def _read_answer(source: int, until: float) -> TerminalBackground:
         for token in tokens:
             if isinstance(token, StopToken):
                 stops.append(token.source)
+            elif isinstance(token, Key):
+                keys.append(token.chord)
             elif isinstance(token, TerminalReply):
                 answered = answered or token.what == "attributes"
                 if token.what == "background" and len(token.values) == 3:
@@ -82,7 +85,7 @@ def _read_answer(source: int, until: float) -> TerminalBackground:
         if not data:
             break
     stops += [token.source for token in scanner.close() if isinstance(token, StopToken)]
-    return TerminalBackground(light, tuple(stops))
+    return TerminalBackground(light, tuple(stops), tuple(keys))
 
 
 def _brightness(colour: tuple[int, ...]) -> float:

@@ -8,7 +8,7 @@ then return False.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -32,6 +32,8 @@ from woz_tui.system.clock import Clock, RealClock
 HELD_US = 750_000
 #: The second key of a sequence must follow within this time, in seconds.
 SEQUENCE_S = 1.0
+#: Letters that are kept of what is typed before there is a session.
+EARLY_LIMIT = 64
 
 #: Called after a press with the chord (`c r` for a sequence), the action's name (empty for the
 #: console's own keys and the stop) and the request's `ref` (0: nothing was sent).
@@ -141,6 +143,8 @@ class Keyboard:
         self._clock = clock or RealClock()
         #: How far one press of an arrow goes.
         self.steps = steps or ArrowSizes()
+        #: What was typed before there was a session to play; None: there is one.
+        self._early: str | None = None
         self._lock = threading.RLock()
         self._table: Mapping[str, str] = {}
         self._own: Mapping[str, ConsoleKey] = {}
@@ -184,6 +188,20 @@ class Keyboard:
         if not free:
             self._set_prefix("")
 
+    def wait_for_session(self, typed: Iterable[str] = ()) -> None:
+        """Until `session_came` no key does anything but stop and leave; what is typed is kept,
+        after the keys that were `typed` before.
+        """
+        self._early = ""
+        for chord in typed:
+            self.arrive(chord)
+
+    def session_came(self) -> str:
+        """Keys count from now on. What was typed before then; it is told once."""
+        with self._lock:
+            typed, self._early = self._early, None
+        return typed or ""
+
     @property
     def holds(self) -> bool:
         """Whether keys drive only while they are held."""
@@ -214,6 +232,8 @@ class Keyboard:
         if self.on_suspend is not None and own is not None and own.name == "suspend":
             self.on_suspend()
             return True
+        if (own is None or own.name != "leave") and self._keep_early(chord):
+            return True
         if not self._free or self._behind:
             return self._arrive_elsewhere(chord, stale)
         if chord in self.kept:
@@ -223,6 +243,17 @@ class Keyboard:
         if stale:  # nor may it open a dialog that the rest of the burst would fill
             self.on_stale(chord, "", 0)
         return stale
+
+    def _keep_early(self, chord: str) -> bool:
+        """Whether there is no session yet; then a letter is kept, and any other key is void."""
+        with self._lock:
+            if self._early is None:
+                return False
+            if chord == "backspace":
+                self._early = self._early[:-1]
+            elif len(chord) == 1 and len(self._early) < EARLY_LIMIT:
+                self._early += chord
+            return True
 
     def _arrive_elsewhere(self, chord: str, stale: bool) -> bool:
         """A key for a dialog: it may be the rest of the held key that opened this dialog, or closed

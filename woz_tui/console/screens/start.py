@@ -182,6 +182,18 @@ class StartDialog(FormDialog):
     def on_mount(self) -> None:
         """Ask for the present participant's order."""
         self._ask_proposal(self._present())
+        self.call_after_refresh(self._take_typed)
+
+    def _take_typed(self) -> None:
+        """What was typed before the dialog was there is the beginning of the code."""
+        typed = self.console_app.keyboard.session_came()
+        for field in self.query("#participant").results(Input) if typed else ():
+            field.focus()
+            field.insert_text_at_cursor(typed)
+
+    def closing(self) -> None:
+        """The robot is played from now on, also if there was no time to put this together."""
+        self.console_app.keyboard.session_came()
 
     def _present(self) -> str:
         """Who takes part; nobody yet: whoever did before the robot process was lost."""

@@ -10,12 +10,15 @@ from tests.console.piloting import piloted_console
 from tests.console.scripted_feed import raw
 from woz_tui.console.screens.leave import LeaveDialog
 from woz_tui.console.screens.questionnaire import QuestionnaireDialog
+from woz_tui.console.screens.start import StartDialog
 from woz_tui.console.screens.trial import OfferDialog, TrialDialog, trial_status
 from woz_tui.console.state.study import StudyView
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.timeline.study_history import StudyState
 
+#: What ending a session may ask for.
+ENDING = r.AskTrial | r.AskQuestionnaire | r.AskEnd
 NOW, SECOND = study_scene.NOW, study_scene.SECOND
 
 
@@ -329,6 +332,77 @@ async def test_leaving_lists_what_is_open_in_one_dialog() -> None:
         assert isinstance(asked[0], r.AskTrial)
         assert asked[0].what == "done"
         assert pilot.feed.last(r.AskQuestionnaire) is None
+
+
+async def test_a_trial_that_is_marked_done_brings_its_questionnaire() -> None:
+    async with piloted_console(study_scene.welcome(study_scene.trial(3)), size=(100, 36)) as pilot:
+        await pilot.press("ctrl+q")
+        assert "This visit has not been answered" not in pilot.drawn()
+        await pilot.press("down", "down", "down", "enter")
+        assert "marks it as done." in pilot.drawn()
+        assert "This visit has not been answered: ask it first" in pilot.drawn()
+        await pilot.press("enter")
+        assert "marks it as aborted." in pilot.drawn()
+        assert "This visit has not been answered" not in pilot.drawn()
+        await pilot.press("enter", "up", "enter")
+        done, asked = (each for each in pilot.feed.asked if isinstance(each, ENDING))
+        assert isinstance(done, r.AskTrial)
+        assert done.what == "done"
+        assert isinstance(asked, r.AskQuestionnaire)
+        assert asked.questionnaire == "quick"
+
+
+async def test_the_answer_about_one_trial_is_none_about_the_next() -> None:
+    async with piloted_console(study_scene.welcome(study_scene.trial(3)), size=(100, 36)) as pilot:
+        await pilot.press("ctrl+q", "down", "down", "down", "enter", "ctrl+q")
+        await pilot.tell(trial_ended(3), study_scene.trial(4, ago=0))
+        await pilot.press("ctrl+q")
+        assert "Trial 4 is still running; ending the session marks it as aborted." in pilot.drawn()
+
+
+async def test_a_trial_that_cannot_be_marked_done_ends_no_session() -> None:
+    async with piloted_console(study_scene.welcome(study_scene.trial(3))) as pilot:
+        pilot.feed.answers[r.AskTrial] = lambda asked, ref: r.Reply(
+            ref=ref, ok=False, reason="no trial is running"
+        )
+        await pilot.press("ctrl+q", "down", "down", "down", "enter", "up", "enter")
+        assert "no trial is running" in pilot.drawn()
+        assert pilot.feed.last(r.AskEnd) is None
+
+
+async def test_who_ends_a_study_without_a_participant_can_still_say_who_it_was() -> None:
+    first = msgspec.structs.replace(study_scene.welcome(), state=raw([scenes.start("", "")]))
+    async with piloted_console(first, size=(100, 36)) as pilot:
+        await pilot.press("ctrl+q")
+        assert "No participant was given: the log has no code" in pilot.drawn()
+        await pilot.press("down", "down", "down", "enter")
+        assert "No participant was given: give it first" in pilot.drawn()
+        await pilot.press("up", "enter")
+        await pilot.until(lambda: isinstance(pilot.console.dialog, StartDialog))
+        await pilot.type("P09")
+        await pilot.press("tab", "down", "enter")
+        await pilot.until(lambda: isinstance(pilot.console.dialog, LeaveDialog))
+        await pilot.tell(m.SessionChanged(participant="P09", t=NOW))
+        await pilot.press("ctrl+q", "ctrl+q")
+        assert "No participant" not in pilot.drawn()
+        assert pilot.feed.last(r.AskEnd) is None
+
+
+async def test_who_ends_a_study_without_a_participant_can_leave_it_at_that() -> None:
+    told = study_scene.study_description(questionnaires=[])
+    first = study_scene.welcome(study=told)
+    first = msgspec.structs.replace(first, state=raw([scenes.start("", "")]))
+    async with piloted_console(first) as pilot:
+        await pilot.press("ctrl+q", "down", "down", "enter")
+        assert pilot.feed.last(r.AskEnd) is not None
+
+
+async def test_free_play_has_no_participant_to_ask_for() -> None:
+    first = scenes.welcome(state=[scenes.start("", "")])
+    first = msgspec.structs.replace(first, conditions=[])
+    async with piloted_console(first) as pilot:
+        await pilot.press("ctrl+q")
+        assert "No participant" not in pilot.drawn()
 
 
 async def test_behind_a_questionnaire_that_leaving_brought_the_wizard_is_asked_again() -> None:

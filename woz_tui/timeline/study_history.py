@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol, TypeVar
@@ -252,6 +253,14 @@ class StudyState:
         named = self.had.keys() | {each.questionnaire for each in due}
         at_end = self._questionnaires("end") if begun else ()
         return (*due, *(DueQuestionnaire(name) for name in at_end if name not in named))
+
+    def open_if_done(self) -> tuple[DueQuestionnaire, ...]:
+        """`open_at_end` as it would be if the trial under way were done now."""
+        after = self.copy()
+        if self.trial is not None:
+            ended = m.TrialEnded(trial=self.trial.started.trial, outcome="done")
+            deque(after.end_trial(ended, self.trial.begin), maxlen=0)
+        return after.open_at_end()
 
     def _questionnaires(self, when: str) -> Iterator[str]:
         for each in self.settings.questionnaires:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -12,6 +12,7 @@ from textual.widgets import OptionList
 from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import plain, refusal_text
+from woz_tui.console.screens.start import StartDialog
 from woz_tui.console.screens.trial import ask_questionnaire, progress, questionnaire_title
 from woz_tui.console.screens.typed import typed_sentences
 from woz_tui.console.state.study import StudyView
@@ -19,10 +20,11 @@ from woz_tui.log.file_names import gets_participant
 from woz_tui.protocol.requests import AskKeepTyped, AskTrial, Reply
 from woz_tui.system.text_cleaning import lasting
 
-#: Names of what is open: the trial, a questionnaire (with its name), the typed sentences.
-_TRIAL, _ASK, _TYPED = "trial", "questionnaire ", "typed"
-#: The answer that asks no questionnaire.
-_SKIP = 1
+#: Names of what is open: who takes part, the trial (with its number), a questionnaire (with its
+#: name), the typed sentences.
+_WHO, _TRIAL, _ASK, _TYPED = "participant", "trial ", "questionnaire ", "typed"
+#: The answer that asks no questionnaire, and the one with which a trial is done.
+_SKIP, _DONE = 1, 1
 #: Under which name the answers are kept while the dialog is closed.
 _DRAFT = "LeaveDialog "
 
@@ -101,47 +103,79 @@ class LeaveDialog(ChoiceDialog):
         """With the answers that were given before."""
         if self.state.role == "watcher":
             return []
-        study, found = self.state.study, []
+        study, found = self.state.study, list[OpenQuestion]()
+        if self._lacks_participant():
+            who = "No participant was given"
+            found.append(self._open(_WHO, f"{who}: the log has no code", f"{who}: give it first"))
+        done = False
         if (running := self.state.session.study.trial) is not None:
-            trial = f"Trial {running.label} is still running; ending the session marks it as"
-            found.append(OpenQuestion(_TRIAL, (f"{trial} aborted.", f"{trial} done.")))
-        for name in study.unasked() if study.open_questionnaire is None else ():
+            number = running.label
+            trial = f"Trial {number} is still running; ending the session marks it as"
+            found.append(self._open(f"{_TRIAL}{number}", f"{trial} aborted.", f"{trial} done."))
+            done = found[-1].answer == _DONE
+        for name in study.unasked(done=done) if study.open_questionnaire is None else ():
             title = f"{clean(questionnaire_title(study, name))} has not been answered"
             there = [f"{title}: ask at the participant's terminal"] if study.participants else []
             answers = (f"{title}: ask it first", f"{title}: skip it", *there)
-            found.append(OpenQuestion(f"{_ASK}{name}", answers))
+            found.append(self._open(f"{_ASK}{name}", *answers))
         if count := len(typed_sentences(self.state)):
             typed = f"{count} typed sentence{'' if count == 1 else 's'}"
             answers = (f"{typed}: in the log only", f"{typed}: also into a copy of your file")
-            found.append(OpenQuestion(_TYPED, answers))
-        for each in found:
-            before = int(self.requests.drafts.get(f"{_DRAFT}{each.key}", 0))
-            each.answer = before % len(each.sentences)
+            found.append(self._open(_TYPED, *answers))
         return found
+
+    def _lacks_participant(self) -> bool:
+        """Whether the file is a study's, and nobody has said who takes part. In a training and in a
+        re-run nobody does.
+        """
+        session = self.state.session
+        settings = session.study.settings
+        is_study = self.state.plan.conditions or settings.design or settings.questionnaires
+        nobody = session.training is not None or session.rerun is not None
+        return bool(is_study) and not session.study.participant and not nobody
+
+    def _open(self, key: str, *sentences: str) -> OpenQuestion:
+        before = int(self.requests.drafts.get(f"{_DRAFT}{key}", 0))
+        return OpenQuestion(key, sentences, before % len(sentences))
 
     def _question_line(self, question: OpenQuestion) -> Content:
         return plain(f"  {self.glyphs.middle} {question.sentences[question.answer]}")
 
     def _answer(self, question: OpenQuestion) -> None:
-        """What is open takes its next answer."""
-        question.answer = (question.answer + 1) % len(question.sentences)
-        self.requests.drafts[f"{_DRAFT}{question.key}"] = str(question.answer)
+        """What is open takes its next answer, with which other things may be open."""
+        self.requests.drafts[f"{_DRAFT}{question.key}"] = str(question.answer + 1)
+        self._offers = self.choices()
         for choices in self.query("#choices").results(OptionList):
-            if (here := choices.highlighted) is not None:
-                choices.replace_option_prompt_at_index(here, self._question_line(question))
+            here = choices.highlighted
+            choices.clear_options()
+            choices.add_options([offer.text for offer in self._offers])
+            choices.highlighted = here
 
     # -- the end ----------------------------------------------------------------------------------
 
     def _end(self) -> None:
-        """Do what was answered, then end. Behind a questionnaire this dialog comes again."""
+        """Do what was answered, then end. Behind a questionnaire, or once there is a participant,
+        this dialog comes again.
+        """
         answers = {each.key: each.answer for each in self._questions}
+        if answers.get(_WHO):
+            self.console_app.open_dialog(StartDialog(then=partial(self.console_app.do, "leave")))
+        elif any(answer == _DONE for key, answer in answers.items() if key.startswith(_TRIAL)):
+            self.requests.ask(AskTrial(what="done"), partial(self._trial_done, answers))
+        else:
+            self._go_on(answers)
+
+    def _trial_done(self, answers: Mapping[str, int], reply: Reply) -> None:
+        self.requests.refused(reply)
+        if reply.ok:
+            self._go_on(answers)
+
+    def _go_on(self, answers: Mapping[str, int]) -> None:
         for key, answer in answers.items():
             if key.startswith(_ASK) and answer != _SKIP:
                 here, name = answer == 0, key.removeprefix(_ASK)
                 ask_questionnaire(self.console_app, name, here=here, leaving=True)
                 return
-        if answers.get(_TRIAL):
-            self.requests.ask(AskTrial(what="done"))
         if answers.get(_TYPED):
             self.requests.ask(AskKeepTyped(), self._kept)
         else:

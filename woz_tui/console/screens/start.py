@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -142,13 +142,17 @@ class StartDialog(FormDialog):
 
     In an experiment with a design the robot process proposes the order of the conditions as soon as
     the code is complete; whoever knows better chooses otherwise.
+
+    Args:
+        then: What comes once it has been accepted.
     """
 
     heading = "Participant"
     hint = "tab: next · arrows: condition · enter accepts · ctrl+q closes"
 
-    def __init__(self) -> None:
+    def __init__(self, then: Callable[[], object] | None = None) -> None:
         super().__init__()
+        self._then = then
         self._proposal: ProposedOrder | None = None
         #: Why there is none for this code; empty: nothing is wrong.
         self._refused = ""
@@ -183,6 +187,12 @@ class StartDialog(FormDialog):
         """Ask for the present participant's order."""
         self._ask_proposal(self._present())
         self.call_after_refresh(self._take_typed)
+
+    def answered(self, reply: Reply) -> None:
+        """Close, or say why not; then what was to come."""
+        super().answered(reply)
+        if reply.ok and self._then is not None:
+            self._then()
 
     def _take_typed(self) -> None:
         """What was typed before the dialog was there is the beginning of the code."""

@@ -98,12 +98,14 @@ class StudyView:
         """What nobody has seen to."""
         return [check for check, ticked in self.checks.items() if not ticked]
 
-    def unasked(self) -> list[str]:
+    def unasked(self, *, done: bool = False) -> list[str]:
         """Questionnaires that are due or for the end of the session, that nobody has answered or
-        declined and that are not being asked.
+        declined and that are not being asked. `done`: as if the trial under way were done.
         """
         asked = self.open_questionnaire.name if self.open_questionnaire is not None else None
-        wanted = (each.questionnaire for each in self.session.study.open_at_end())
+        study = self.session.study
+        still = study.open_if_done() if done else study.open_at_end()
+        wanted = (each.questionnaire for each in still)
         return [name for name in dict.fromkeys(wanted) if name != asked]
 
     def right_actions(self, told: m.CueAnswered) -> tuple[str, ...]:

@@ -31,6 +31,30 @@ def participant(lab: Lab) -> FakeTerminal:
     return terminal
 
 
+def test_leaving_ends_the_trial_and_asks_its_questionnaire_first(lab: Lab) -> None:
+    wizard = lab.run(lab.file("guide.yaml", scenes.guide() + STUDY))
+    log = lab.log
+    wizard.send(CTRL_T)
+    wizard.wait_text("1. Lemon")
+    wizard.send("\r")
+    log.wait("condition.assigned")
+    wizard.send("*")
+    wizard.wait_text("begin trial 1")
+    wizard.send("b")
+    wizard.wait_text("trial 1/2")
+    wizard.send(CTRL_Q)
+    wizard.wait_text("Trial 1 is still running")
+    for _ in range(3):
+        wizard.send(DOWN)
+    wizard.send("\r")
+    wizard.wait_text("This visit has not been answered: ask it first")
+    wizard.send("\x1b[A\r")
+    assert log.wait("questionnaire.started").fields["trial"] == 1
+    assert log.wait("trial.ended").fields["outcome"] == "done"
+    wizard.wait_text("3 questions.")
+    assert log.lines("session.end") == []
+
+
 @pytest.mark.safety
 def test_a_trial_and_what_is_asked_after_it(lab: Lab) -> None:
     wizard = lab.run(lab.file("guide.yaml", scenes.guide() + STUDY))

@@ -37,7 +37,7 @@ def test_leaving_ends_the_trial_and_asks_its_questionnaire_first(lab: Lab) -> No
     wizard.send(CTRL_T)
     wizard.wait_text("1. Lemon")
     wizard.send("\r")
-    log.wait("condition.assigned")
+    wizard.wait_for(lambda screen: "Participant ─" not in screen)
     wizard.send("*")
     wizard.wait_text("begin trial 1")
     wizard.send("b")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 
 import msgspec
 import pytest
@@ -78,6 +79,56 @@ def test_nothing_moves_when_the_visitor_goes() -> None:
         assert away[0].startswith(" ○ nobody there")
         for word in ("person", "near", "distance", "loudness"):
             assert [word in line for line in here] == [word in line for line in away]
+
+
+NARROW = PaintFrame(33, 6, NOW)
+
+
+@pytest.mark.parametrize("frame", [NARROW, LOW, MIDDLE, HIGH], ids=["33", "39", "50", "high"])
+def test_all_meters_of_a_block_begin_and_end_in_one_column(frame: PaintFrame) -> None:
+    shown = meters(engagement_scene.waits(), *scenes.sensors(), frame=frame).splitlines()
+    tracks = [
+        [found.span() for found in re.finditer("[━┈─│●]{5,}", line)]
+        for line in shown
+        if any(word in line for word in ("person", "near", "distance", "loudness"))
+    ]
+    assert len(tracks) == 4
+    assert len({each[0] for each in tracks}) == 1, tracks
+    assert len({each[1] for each in tracks if len(each) > 1}) <= 1, tracks
+
+
+def test_names_of_meters_are_cut_only_where_there_is_no_room() -> None:
+    readings = [
+        scenes.reading(NOW, name, 1.0, unit=unit)
+        for name, unit in (
+            ("reachy.distance", "m"),
+            ("pepper.distance", "m"),
+            ("temperature", "C"),
+            ("ros.battery", ""),
+        )
+    ]
+    shown = meters(*readings, frame=HIGH)
+    for name in ("reachy dist", "pepper dist", "temperature", "ros.battery"):
+        assert f" {name} " in shown
+    tracks = [
+        found.span() for line in shown.splitlines() for found in re.finditer("[┈│●]{5,}", line)
+    ]
+    assert len(tracks) == 2 and len(set(tracks)) == 1
+    assert "reac… dist" not in meters(*readings, frame=PaintFrame(28, 9, NOW))
+
+
+def test_how_long_a_state_lasts_is_told_whole_or_not_at_all() -> None:
+    shown = engagement_scene.engagement_shown("PersonDetected", visitor="", engaged=False)
+    assert meters(shown, frame=LOW).splitlines()[0].rstrip().endswith("not engaged 00:12")
+    assert meters(shown, frame=NARROW).splitlines()[0].rstrip().endswith("not engaged")
+
+
+def test_who_it_is_is_written_out_where_the_meter_beside_it_would_have_stood() -> None:
+    named = engagement_scene.signs(
+        identity=msgspec.structs.replace(engagement_scene.signs()["identity"], name="Friederike")
+    )
+    shown = meters(engagement_scene.engagement_shown(signs=named), frame=LOW)
+    assert "● Friederike" in shown
 
 
 def test_a_high_screen_has_a_row_for_everything() -> None:
@@ -269,6 +320,12 @@ def test_who_waits_and_is_not_seen_any_more_is_said_to_be_so() -> None:
 def test_a_count_is_told_whole_or_not_at_all() -> None:
     nobody = msgspec.structs.replace(engagement_scene.signs()["identity"], name="Unknown", count=0)
     found = looks(engagement_scene.engagement_shown(signs=engagement_scene.signs(identity=nobody)))
+    assert "○ unknown 0 of 10" in found
+    narrow = PaintFrame(33, 30, NOW)
+    found = looks(
+        engagement_scene.engagement_shown(signs=engagement_scene.signs(identity=nobody)),
+        frame=narrow,
+    )
     assert "○ unknown" in found
 
 
@@ -374,13 +431,18 @@ def test_a_queues_bar_keeps_its_width_and_reaches_its_tick_only_when_enough(
 
 
 @pytest.mark.parametrize("places", range(1, 9))
-def test_a_short_queue_has_a_cell_for_every_place(places: int) -> None:
-    for needed, count in itertools.product(range(places + 1), repeat=2):
-        row = queue_bar(m.SignShown(count=count, needed=needed, places=places), 9, UNICODE)
-        told = "".join(piece for piece, _ in row)
-        each = 8 // places
-        if 0 < needed < places or count >= needed:
-            assert told.count("━") == count * each, (needed, count, told)
+@pytest.mark.parametrize("width", [9, 14])
+def test_a_short_queue_grows_with_every_place_and_ends_where_others_do(
+    places: int, width: int
+) -> None:
+    for needed in range(1, places + 1):
+        signs = (
+            m.SignShown(count=count, needed=needed, places=places) for count in range(places + 1)
+        )
+        told = ["".join(piece for piece, _ in queue_bar(each, width, UNICODE)) for each in signs]
+        fills = [each.count("━") for each in told]
+        assert fills == sorted(set(fills)), (needed, told)
+        assert fills[0] == 0 and fills[-1] == width - 1
 
 
 @given(

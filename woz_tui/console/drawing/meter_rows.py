@@ -2,30 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
-from woz_tui.console.drawing.cells import Piece, Row, cut, fit
+from rich.cells import cell_len
+
+from woz_tui.console.drawing.cells import Piece, Row, clean, cut, fit
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.number_text import age
 from woz_tui.session.redactor import HIDDEN
 
-#: Cells of the names at the left and the values at the right.
-NAME, VALUE = 11, 17
+#: Cells that names at the left, values at the right and the tracks between them have at least.
+NAME, VALUE, TRACK = 11, 17, 5
+#: Cells of a second name beside a track, with the blank behind its own track.
+SECOND = 12
 
 
-def name_piece(name: str) -> Piece:
+@dataclass(frozen=True, slots=True)
+class MeterFrame(PaintFrame):
+    """Room for meters: all names have `name` cells, and all tracks `track`, so that they begin and
+    end in the same columns.
+    """
+
+    name: int = NAME
+    track: int = TRACK
+
+    @property
+    def value(self) -> int:
+        """Cells of what stands at the right, without the blanks around it."""
+        return self.width - self.name - self.track - 2
+
+
+def meter_frame(frame: PaintFrame, names: Iterable[str]) -> MeterFrame:
+    """Room for meters of these names: none is cut while values and two tracks side by side have
+    what they need.
+    """
+    longest = max((cell_len(clean(name)) + 2 for name in names), default=NAME)
+    most = min(frame.width * 2 // 5, frame.width - TRACK - VALUE)
+    name = max(NAME, min(longest, most))
+    track = max(TRACK, (frame.width - name - SECOND) // 2)
+    return MeterFrame(frame.width, frame.height, frame.now, frame.glyphs, name, track)
+
+
+def name_piece(name: str, frame: MeterFrame) -> Piece:
     """The name at the left, with a blank at each side."""
-    return (f" {fit(name, NAME - 2)} ", "muted")
+    return (f" {fit(name, frame.name - 2, frame.glyphs.ellipsis)} ", "muted")
 
 
-def meter_row(name: str, body: Row, value: str, look: str) -> Row:
+def meter_row(name: str, body: Row, value: str, look: str, frame: MeterFrame) -> Row:
     """A whole row."""
-    return (name_piece(name), *body, (f" {fit(value, VALUE - 2)} ", look))
-
-
-def track_width(frame: PaintFrame) -> int:
-    """Cells between name and value."""
-    return max(5, frame.width - NAME - VALUE)
+    shown = fit(value, frame.value, frame.glyphs.ellipsis)
+    return (name_piece(name, frame), *body, (f" {shown} ", look))
 
 
 def track_cell(share: float, width: int) -> int:
@@ -52,9 +79,9 @@ def merge_pieces(cells: list[Piece]) -> Row:
     return tuple(pieces)
 
 
-def hidden_row(name: str, frame: PaintFrame) -> Row:
+def hidden_row(name: str, frame: MeterFrame) -> Row:
     """The row of something that is kept from the wizard on purpose."""
-    return meter_row(name, ((frame.glyphs.track * track_width(frame), "faint"),), HIDDEN, "faint")
+    return meter_row(name, ((frame.glyphs.track * frame.track, "faint"),), HIDDEN, "faint", frame)
 
 
 def age_note(t: int, frame: PaintFrame) -> str:

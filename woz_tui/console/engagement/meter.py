@@ -7,23 +7,22 @@ about while visitors come and go.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import zip_longest
 
 from rich.cells import cell_len
 
-from woz_tui.console.drawing.cells import Piece, Row, clean, cut, fit
-from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
+from woz_tui.console.drawing.cells import Piece, Row, clean, cut, fit, length
+from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.drawing.meter_rows import (
-    VALUE,
+    SECOND,
+    MeterFrame,
     age_note,
     hidden_row,
     meter_row,
     name_piece,
-    track_width,
 )
 from woz_tui.console.drawing.number_text import age, seconds
-from woz_tui.console.engagement.sign_bars import LEAST, distance_bar, queue_bar
+from woz_tui.console.engagement.sign_bars import distance_bar, queue_bar
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.engagement_text import (
     USUAL_ATTENTION,
@@ -46,16 +45,13 @@ from woz_tui.session.redactor import HIDDEN, KEPT, perceived_kind
 MIDDLE, FULL = 8, 14
 #: What was heard stays for so long where it shares its row with the path, in microseconds.
 HEARD_US = 30_000_000
-#: Cells of a sign without its bar: mark, word, blanks.
-_SIGN = 9
-_WORD = 7
 
 #: Draws the rows of the loudness, given what is said of speech.
-Loudness = Callable[[ConsoleState, PaintFrame, str], list[Row]]
+Loudness = Callable[[ConsoleState, MeterFrame, str], list[Row]]
 
 
 def block_rows(
-    state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, loudness: Loudness
+    state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame, loudness: Loudness
 ) -> dict[str, list[Row]]:
     """The parts for a session with a model; `loudness` draws the rows that are not the model's."""
     speech = _speech(state, frame)
@@ -64,9 +60,9 @@ def block_rows(
     rows = [_state(state, shown, frame)]
     heard: list[Row] = []
     if frame.height >= FULL:
-        rows.append((name_piece("now"), *(_now(shown, frame, unheard) or [_dash(frame)])))
+        rows.append((name_piece("now", frame), *(_now(shown, frame, unheard) or [_dash(frame)])))
         rows += [_why(state, frame), *_singles(state, shown, frame)]
-        heard.append((name_piece("heard"), *_transcript_row(state, frame)))
+        heard.append((name_piece("heard", frame), *_transcript_row(state, frame)))
     else:
         rows.append(_now_or_heard(state, shown, frame, unheard))
         if frame.height >= MIDDLE:
@@ -79,7 +75,7 @@ def block_rows(
 # -- state, waiting, path, why ------------------------------------------------------------------
 
 
-def _state(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
+def _state(state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame) -> Row:
     """The state as a sentence and for how long; the attempt of a handshake."""
     glyphs = frame.glyphs
     row = state_row(state.engaged, shown, frame.now, glyphs, frame.width - 1)
@@ -90,13 +86,13 @@ def _state(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> 
     return ((" ", "plain"), *row, (attempt, "muted"))
 
 
-def _speech(state: ConsoleState, frame: PaintFrame) -> str:
+def _speech(state: ConsoleState, frame: MeterFrame) -> str:
     """`speech 3.1 s` while somebody speaks."""
     segment = None if state.lost else state.engaged.speaking(frame.now)
     return "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
 
 
-def _now(shown: m.EngagementShown, frame: PaintFrame, unheard: str) -> list[Piece]:
+def _now(shown: m.EngagementShown, frame: MeterFrame, unheard: str) -> list[Piece]:
     """What asks for the wizard at this moment."""
     glyphs = frame.glyphs
     found: list[Piece] = []
@@ -110,7 +106,7 @@ def _now(shown: m.EngagementShown, frame: PaintFrame, unheard: str) -> list[Piec
 
 
 def _now_or_heard(
-    state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, unheard: str
+    state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame, unheard: str
 ) -> Row:
     """What asks for the wizard now with what was just heard, or else what was heard last."""
     heard = state.engaged.transcripts()
@@ -121,21 +117,25 @@ def _now_or_heard(
     return ((" ", "plain"), *(now or _transcript_row(state, frame)))
 
 
-def _dash(frame: PaintFrame) -> Piece:
+def _dash(frame: MeterFrame) -> Piece:
     return (frame.glyphs.dash, "faint")
 
 
-def _why(state: ConsoleState, frame: PaintFrame) -> Row:
+def _why(state: ConsoleState, frame: MeterFrame) -> Row:
     """Why the last change came about."""
     changes = state.engaged.changes
     last = changes[-1] if changes else state.session.model.changed
     if last is None:
-        return (name_piece("why"), _dash(frame))
+        return (name_piece("why", frame), _dash(frame))
     hand: Row = ((f"{frame.glyphs.forced} ", "wait"),) if last.forced else ()
-    return (name_piece("why"), *hand, (frame.glyphs.plain(clean(change_reason(last))), "muted"))
+    return (
+        name_piece("why", frame),
+        *hand,
+        (frame.glyphs.plain(clean(change_reason(last))), "muted"),
+    )
 
 
-def _transcript_row(state: ConsoleState, frame: PaintFrame) -> Row:
+def _transcript_row(state: ConsoleState, frame: MeterFrame) -> Row:
     """What was understood last, and when."""
     if state.perception.hides("transcript"):
         return ((HIDDEN, "faint"),)
@@ -151,7 +151,7 @@ def _transcript_row(state: ConsoleState, frame: PaintFrame) -> Row:
     return ((f"{age(frame.now - last.t)} ago ", "muted"), quoted(last, frame.glyphs))
 
 
-def _so_far(state: ConsoleState, frame: PaintFrame) -> str:
+def _so_far(state: ConsoleState, frame: MeterFrame) -> str:
     """What was understood up to now of what is being said, where a driver tells."""
     segment = None if state.lost else state.engaged.speaking(frame.now)
     if segment is None:
@@ -176,24 +176,31 @@ def quoted(heard: m.SpeechText, glyphs: Glyphs) -> Piece:
 # -- signs --------------------------------------------------------------------------------------
 
 
-def _pairs(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+def _pairs(state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame) -> list[Row]:
     """Two signs in a row: mark, word, fill of the queue."""
-    half = replace(frame, width=(frame.width - 2) // 2)
-    found = [((" ", "plain"), *_pair(name, shown, state, half)) for name in signs_of(shown)]
+    found = [
+        _pair(name, shown, state, frame, ("  ", SECOND - 1) if number % 2 else (" ", frame.name))
+        for number, name in enumerate(signs_of(shown))
+    ]
     return [
         (*first, *second) for first, second in zip_longest(found[::2], found[1::2], fillvalue=())
     ]
 
 
-def _pair(name: str, shown: m.EngagementShown, state: ConsoleState, frame: PaintFrame) -> Row:
-    sign, glyphs = shown.signs[name], frame.glyphs
+def _pair(
+    name: str,
+    shown: m.EngagementShown,
+    state: ConsoleState,
+    frame: MeterFrame,
+    place: tuple[str, int],
+) -> Row:
+    """`place`: blanks before the mark, and cells before the bar."""
+    sign, glyphs, (indent, cells) = shown.signs[name], frame.glyphs, place
     found = sign_verdict(name, shown, glyphs, old=bool(state.lost), sensors=state.sensors)
     is_named = name == "identity" and found.look == "good"
-    word = found.word if is_named else WORD[name]
-    front: Piece = (f"{found.sign} {fit(word, _WORD - 1, glyphs.ellipsis)} ", found.look)
-    room = frame.width - _SIGN
-    if room < LEAST:
-        return cut((front,), frame.width, glyphs.ellipsis)
+    told = f"{indent}{found.sign} {found.word if is_named else WORD[name]}"
+    if is_named and cell_len(told) >= cells:  # who it is comes before how sure that is
+        return cut(((told, found.look),), cells + frame.track, glyphs.ellipsis)
     if not is_used(name, shown):
         back: Row = (("not used", "faint"),)
     elif sign.filter == KEPT:
@@ -203,32 +210,36 @@ def _pair(name: str, shown: m.EngagementShown, state: ConsoleState, frame: Paint
     elif found.look == "stale":
         back = ((found.word, "stale"),)
     else:
-        back = queue_bar(sign, room, glyphs)
-    return cut((front, *back), frame.width, glyphs.ellipsis)
+        back = queue_bar(sign, frame.track, glyphs)
+    if length(back) <= frame.track:  # words that are longer begin where they can
+        told = fit(told, cells - 1, glyphs.ellipsis)
+    front: Piece = (f"{told} ", found.look)
+    return cut((front, *back), cells + frame.track, glyphs.ellipsis)
 
 
-def _singles(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+def _singles(state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame) -> list[Row]:
     """A row for each sign: name, fill of the queue, verdict with its count."""
     return [_single(name, shown, state, frame) for name in signs_of(shown)]
 
 
-def _single(name: str, shown: m.EngagementShown, state: ConsoleState, frame: PaintFrame) -> Row:
+def _single(name: str, shown: m.EngagementShown, state: ConsoleState, frame: MeterFrame) -> Row:
     sign, glyphs = shown.signs[name], frame.glyphs
     found = sign_verdict(name, shown, glyphs, old=bool(state.lost), sensors=state.sensors)
     quiet = found.look == "stale" or sign.forced or not is_used(name, shown)
-    bar = queue_bar(sign, track_width(frame), glyphs, "muted" if quiet else "good")
+    bar = queue_bar(sign, frame.track, glyphs, "muted" if quiet else "good")
     if not is_used(name, shown):
-        return meter_row(WORD[name], bar, "not used", "faint")
+        return meter_row(WORD[name], bar, "not used", "faint", frame)
     if sign.forced:
-        return meter_row(WORD[name], bar, f"{found.sign} {found.word} {glyphs.forced} hand", "wait")
+        told = f"{found.sign} {found.word} {glyphs.forced} hand"
+        return meter_row(WORD[name], bar, told, "wait", frame)
     value = f"{found.sign} {found.word}"
     counted = f"{value} {count_text(sign)}"
-    if found.look != "stale" and cell_len(counted) <= VALUE - 2:
+    if found.look != "stale" and cell_len(counted) <= frame.value:
         value = counted
-    return meter_row(WORD[name], bar, value, found.look)
+    return meter_row(WORD[name], bar, value, found.look, frame)
 
 
-def _distance(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+def _distance(state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame) -> list[Row]:
     """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
     sign = shown.signs.get("distance")
     if sign is not None and state.sensor("distance") and state.perception.keeps("distance"):
@@ -239,27 +250,27 @@ def _distance(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) 
     bar = distance_bar(
         sign.raw,
         shown.social_distance,
-        track_width(frame),
+        frame.track,
         frame.glyphs,
         stale=stale,
     )
     if sign.raw is None:
-        return [meter_row("distance", bar, "nothing seen", "muted")]
+        return [meter_row("distance", bar, "nothing seen", "muted", frame)]
     figure = f"{sign.raw:.2f} m" if sign.raw < 100 else "far"
     if sign.stale and not state.lost and is_nobody_there(shown):
-        bar = distance_bar(None, shown.social_distance, track_width(frame), frame.glyphs)
-        return [meter_row("distance", bar, "nobody there", "muted")]
+        bar = distance_bar(None, shown.social_distance, frame.track, frame.glyphs)
+        return [meter_row("distance", bar, "nobody there", "muted", frame)]
     if stale:
-        return [meter_row("distance", bar, f"{frame.glyphs.stale} {figure} stale", "stale")]
-    return [meter_row("distance", bar, f"{figure} {zone(sign.raw)}", "plain")]
+        return [meter_row("distance", bar, f"{frame.glyphs.stale} {figure} stale", "stale", frame)]
+    return [meter_row("distance", bar, f"{figure} {zone(sign.raw)}", "plain", frame)]
 
 
-def _hidden_distance(state: ConsoleState, frame: PaintFrame) -> Row:
+def _hidden_distance(state: ConsoleState, frame: MeterFrame) -> Row:
     """Its place where the wizard does not see it, or only near and far."""
     sensor = state.sensor("distance")
     if sensor is None or state.perception.hides("distance"):
         return hidden_row("distance", frame)
     stale = state.is_stale(sensor, frame.now)
     text = age_note(sensor.t, frame) if stale else sensor.text or "nothing seen"
-    bar: Row = ((frame.glyphs.track * track_width(frame), "faint"),)
-    return meter_row("distance", bar, text, "stale" if stale else "plain")
+    bar: Row = ((frame.glyphs.track * frame.track, "faint"),)
+    return meter_row("distance", bar, text, "stale" if stale else "plain", frame)

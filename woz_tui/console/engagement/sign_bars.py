@@ -19,8 +19,7 @@ LEAST = 3
 def queue_bar(sign: SignShown, width: int, glyphs: Glyphs, look: str = "good") -> Row:
     """The places that speak for the sign, and a tick behind the one that decides.
 
-    Exactly `width` cells. Filled up to the tick or beyond means yes, and only then: small queues
-    have whole cells for each place, large ones as much as fits.
+    Exactly `width` cells. Filled up to the tick or beyond means yes, and only then.
     """
     if width < LEAST:
         return ((" " * max(0, width), "plain"),)
@@ -30,11 +29,10 @@ def queue_bar(sign: SignShown, width: int, glyphs: Glyphs, look: str = "good") -
     places = max(1, sign.places)
     needed = min(places, max(0, sign.needed))
     count = min(places, max(0, sign.count))
-    cells = places * (room // places) if places <= room else room
-    before = round(needed / places * cells)
+    before = round(needed / places * room)
     if 0 < needed < places:
-        before = min(cells - 1, max(1, before))
-    after = cells - before
+        before = min(room - 1, max(1, before))
+    after = room - before
     full = before if count >= needed else math.floor(count / needed * before)
     beyond = math.floor((count - needed) / (places - needed) * after) if count > needed else 0
     if count < needed:
@@ -46,7 +44,6 @@ def queue_bar(sign: SignShown, width: int, glyphs: Glyphs, look: str = "good") -
         (glyphs.tick, "strong"),
         *((glyphs.bar, look) for _ in range(beyond)),
         *((glyphs.track, "faint") for _ in range(after - beyond)),
-        *((" ", "plain") for _ in range(room - cells)),
     ]
     return merge_pieces(row)
 

@@ -178,6 +178,8 @@ def state_row(
     if waited is None:
         told = state_sentence(shown.state, shown.visitor, glyphs)
         lasted = f" {elapsed(max(0, now - shown.since))}"
+        if cell_len(told) + cell_len(lasted) + 2 > room:
+            lasted = ""
         return (_engaged_sign(shown, glyphs), (told, "strong"), (lasted, "muted"))
     figure = f"{_wait_text(waited)}{_unseen(shown)}"
     long = f"{state_sentence(shown.state, shown.visitor, glyphs)}, {figure}"

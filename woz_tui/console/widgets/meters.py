@@ -8,7 +8,7 @@ the wizard plays by, and where the robot stands at the bottom.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from rich.cells import cell_len
@@ -16,15 +16,15 @@ from rich.cells import cell_len
 from woz_tui.console.drawing.cells import Cells, Piece, Row, clean, cut_rows, fit, heading, length
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.meter_rows import (
-    NAME,
+    MeterFrame,
     age_note,
     hidden_row,
     merge_pieces,
+    meter_frame,
     meter_row,
     name_piece,
     ruler,
     track_cell,
-    track_width,
 )
 from woz_tui.console.drawing.number_text import SILENCE_DB, decibels, is_share
 from woz_tui.console.engagement.meter import block_rows
@@ -58,7 +58,7 @@ _TURNING = frozenset({"pan", "yaw", "tilt", "pitch", "hip", "hip-roll"})
 TURNED = 10.0
 
 
-def joint_rows(state: ConsoleState, frame: PaintFrame, room: int, others: int) -> list[Row]:
+def joint_rows(state: ConsoleState, frame: MeterFrame, room: int, others: int) -> list[Row]:
     """A row for each joint, or if that leaves less than `others` of `room`, all of them as text."""
     joints = _joints(state)
     if not joints:
@@ -110,7 +110,7 @@ def _sensor(state: ConsoleState, kind: str, joint: str) -> SensorView | None:
     return found or state.sensor(f"{whose}{dot}{kind}.{name}")
 
 
-def _unit(sensor: SensorView | None, frame: PaintFrame) -> str:
+def _unit(sensor: SensorView | None, frame: MeterFrame) -> str:
     """Of a joint: degrees, unless its driver says otherwise."""
     unit = sensor.unit if sensor is not None else ""
     return frame.glyphs.degrees if unit in ("", "deg") else f" {unit}"
@@ -122,9 +122,9 @@ def _limits(state: ConsoleState) -> dict[str, tuple[float, float]]:
     return {name: (low, high) for name, (low, high) in joints.items() if low < high}
 
 
-def _joint(state: ConsoleState, name: str, shown: str, frame: PaintFrame) -> Row:
+def _joint(state: ConsoleState, name: str, shown: str, frame: MeterFrame) -> Row:
     """Where the joint is (full mark) and where it should be (hollow mark) between its limits."""
-    glyphs, width = frame.glyphs, track_width(frame)
+    glyphs, width = frame.glyphs, frame.track
     present, wanted = _sensor(state, "joint", name), _sensor(state, "setpoint", name)
     here = present.value if present is not None else None
     there = wanted.value if wanted is not None else None
@@ -146,7 +146,8 @@ def _joint(state: ConsoleState, name: str, shown: str, frame: PaintFrame) -> Row
         )
     ticks = {track_cell(-low / (high - low), width): glyphs.tick} if low < 0 < high else {}
     text = age_note(present.t, frame) if stale and present is not None else " ".join(texts)
-    return meter_row(shown, ruler(width, ticks, spots, glyphs), text, "stale" if stale else "plain")
+    look = "stale" if stale else "plain"
+    return meter_row(shown, ruler(width, ticks, spots, glyphs), text, look, frame)
 
 
 def _range(
@@ -160,7 +161,7 @@ def _range(
     return -half, half
 
 
-def _folded(state: ConsoleState, joints: dict[str, str], frame: PaintFrame, room: int) -> list[Row]:
+def _folded(state: ConsoleState, joints: dict[str, str], frame: MeterFrame, room: int) -> list[Row]:
     """All joints as text, on as many lines as there is room for."""
     pieces = []
     for name, short in joints.items():
@@ -169,22 +170,22 @@ def _folded(state: ConsoleState, joints: dict[str, str], frame: PaintFrame, room
             unit = _unit(sensor, frame)
             value = "?" if sensor.value is None else f"{round(sensor.value)}{unit}"
             pieces.append(_member(short, f"{value:<4}", state.is_stale(sensor, frame.now), frame))
-    return _wrapped(name_piece("pose"), pieces, frame, room)
+    return _wrapped(name_piece("pose", frame), pieces, frame, room)
 
 
-def _member(name: str, value: str, stale: bool, frame: PaintFrame) -> Row:
+def _member(name: str, value: str, stale: bool, frame: MeterFrame) -> Row:
     mark = frame.glyphs.stale if stale else ""
     return ((f"{clean(name)} ", "muted"), (f"{mark}{value}", "stale" if stale else "plain"))
 
 
-def _wrapped(front: Piece, members: Sequence[Row], frame: PaintFrame, room: int) -> list[Row]:
+def _wrapped(front: Piece, members: Sequence[Row], frame: MeterFrame, room: int) -> list[Row]:
     """Members behind `front`, on at most `room` lines."""
     rows: list[Row] = []
     row: Row = (front,)
     for member in members:
         if length(row) + length(member) >= frame.width and len(row) > 1 and len(rows) + 1 < room:
             rows.append(row)
-            row = (name_piece(""),)
+            row = (name_piece("", frame),)
         row += ((" ", "plain"), *member) if len(row) > 1 else member
     (text, look) = row[-1]
     return [*rows, (*row[:-1], (text.rstrip(), look))]
@@ -193,11 +194,9 @@ def _wrapped(front: Piece, members: Sequence[Row], frame: PaintFrame, room: int)
 # -- everything else ----------------------------------------------------------------------------
 
 
-def other_rows(
-    state: ConsoleState, frame: PaintFrame, known: Sequence[str], parts: Collection[str] = ()
-) -> dict[str, Row]:
-    """Sensors that are not `known` and no joint, by name: one a line, those with a common first
-    name (`base.x`, `base.y`) together on one, without the name below one of `parts`.
+def sensor_groups(state: ConsoleState, known: Sequence[str]) -> dict[str, list[SensorView]]:
+    """Sensors that are not `known` and no joint, by the name of their row: those with a common
+    first name (`base.x`, `base.y`) have one together.
     """
     groups: dict[str, list[SensorView]] = {}
     for name in sorted(state.sensors, key=lambda name: (len(name), name)):
@@ -210,11 +209,11 @@ def other_rows(
         if understood or not _FOR_THE_LOG.fullmatch(name):
             groups.setdefault(name.rpartition(".")[0] or name, []).append(sensor)
     names = sorted(groups, key=lambda name: (name in _LAST, name))
-    return {name: _group(name, groups[name], state, frame, name in parts) for name in names}
+    return {name: groups[name] for name in names}
 
 
 def _group(
-    name: str, sensors: list[SensorView], state: ConsoleState, frame: PaintFrame, below: bool
+    name: str, sensors: list[SensorView], state: ConsoleState, frame: MeterFrame, below: bool
 ) -> Row:
     """`below`: it stands under the sensor whose parts they are, which has the name."""
     if len(sensors) == 1:
@@ -227,10 +226,10 @@ def _group(
         stale = sensor.value is not None and state.is_stale(sensor, frame.now)
         last = sensor.name.rpartition(".")[2]
         members.append(_member(last, f"{figure(sensor, frame.glyphs):<7}", stale, frame))
-    return _wrapped(name_piece("" if below else name), members, frame, 1)[0]
+    return _wrapped(name_piece("" if below else name, frame), members, frame, 1)[0]
 
 
-def _alone(sensor: SensorView, state: ConsoleState, frame: PaintFrame) -> Row:
+def _alone(sensor: SensorView, state: ConsoleState, frame: MeterFrame) -> Row:
     if state.perception.hides(perceived_kind(sensor.name)):
         return hidden_row(sensor.name, frame)
     ever = sensor.value is not None or sensor.text or sensor.state == "stale"
@@ -238,9 +237,9 @@ def _alone(sensor: SensorView, state: ConsoleState, frame: PaintFrame) -> Row:
     parts = (clean(sensor.text), figure(sensor, frame.glyphs))
     text = " ".join(part for part in parts if part) or "nothing"
     note = age_note(sensor.t, frame) if stale else clean(sensor.state)
-    room = max(1, frame.width - NAME - cell_len(note) - 2)
+    room = max(1, frame.width - frame.name - cell_len(note) - 2)
     return (
-        name_piece(sensor.name),
+        name_piece(sensor.name, frame),
         (fit(text, room), "stale" if stale else "plain"),
         (f" {note} ", "stale" if stale else "muted"),
     )
@@ -267,10 +266,12 @@ MOST = 40
 _KNOWN = ("distance", "loudness", "presence", "gaze", "identity")
 
 
-def meter_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
+def meter_rows(state: ConsoleState, space: PaintFrame) -> list[Row]:
     """At most the frame's height; joints fold into text where room is short."""
     known = [name for name in state.sensors if name.rpartition(".")[2] in _KNOWN]
     near = [name for name in known if name.endswith("distance")]
+    groups = sensor_groups(state, known)
+    frame = meter_frame(space, _names(state, known, groups))
     shown = state.session.model.shown
     if shown is not None:
         parts = block_rows(state, shown, frame, _loudness_rows)
@@ -282,7 +283,9 @@ def meter_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
         for robot in _robots(known):
             parts[f"{robot}visitor"] = _verdicts(state, robot, frame)
         parts["engagement"] = _engagement(state, frame)
-    others = other_rows(state, frame, known, parts)
+    others = {
+        name: _group(name, sensors, state, frame, name in parts) for name, sensors in groups.items()
+    }
     room = frame.height - sum(map(len, parts.values()))
     parts["pose"] = joint_rows(state, frame, room, len(others))
     for name, row in others.items():
@@ -291,6 +294,16 @@ def meter_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
     if not rows:
         rows = [((fit(" no sensor data yet", frame.width), "muted"),)]
     return cut_rows(rows, frame)
+
+
+def _names(
+    state: ConsoleState, known: Sequence[str], groups: Mapping[str, Sequence[SensorView]]
+) -> list[str]:
+    """What stands at the left of the rows."""
+    meters = [_short(name) for name in known if name.rpartition(".")[2] in ("distance", "loudness")]
+    visitors = [f"{robot}visitor" for robot in _robots([*known])]
+    others = [sensors[0].name if len(sensors) == 1 else name for name, sensors in groups.items()]
+    return [*meters, *visitors, *others, *_joints(state).values()]
 
 
 def _ordered(parts: Iterable[str], wanted: Iterable[str]) -> list[str]:
@@ -311,11 +324,11 @@ def _is_named(part: str, wish: str) -> bool:
 # -- distance and loudness ----------------------------------------------------------------------
 
 
-def _distance(state: ConsoleState, name: str, frame: PaintFrame) -> list[Row]:
+def _distance(state: ConsoleState, name: str, frame: MeterFrame) -> list[Row]:
     sensor = state.sensor(name)
     if sensor is None or state.perception.hides("distance"):
         return [hidden_row(_short(name), frame)]
-    glyphs, width = frame.glyphs, track_width(frame)
+    glyphs, width = frame.glyphs, frame.track
     if state.perception.blurs("distance"):
         return [_coarse(state, sensor, frame)]
     ticks = {track_cell(limit / FARTHEST, width): glyphs.tick for limit, _ in ZONES}
@@ -323,7 +336,7 @@ def _distance(state: ConsoleState, name: str, frame: PaintFrame) -> list[Row]:
     if sensor.value is None:
         text = age_note(sensor.t, frame) if stale else "nothing seen"
         look = "stale" if stale else "muted"
-        return [meter_row(_short(name), ruler(width, ticks, {}, glyphs), text, look)]
+        return [meter_row(_short(name), ruler(width, ticks, {}, glyphs), text, look, frame)]
     spot = {
         track_cell(sensor.value / FARTHEST, width): (glyphs.spot, "stale" if stale else "strong")
     }
@@ -331,21 +344,22 @@ def _distance(state: ConsoleState, name: str, frame: PaintFrame) -> list[Row]:
     if stale:
         text = f"{sensor.value:.1f} m {age_note(sensor.t, frame)}"
     look = "stale" if stale else "plain"
-    return [meter_row(_short(name), ruler(width, ticks, spot, glyphs), text, look)]
+    return [meter_row(_short(name), ruler(width, ticks, spot, glyphs), text, look, frame)]
 
 
-def _coarse(state: ConsoleState, sensor: SensorView, frame: PaintFrame) -> Row:
+def _coarse(state: ConsoleState, sensor: SensorView, frame: MeterFrame) -> Row:
     """A blurred value in a word, on a track without marks."""
     stale = state.is_stale(sensor, frame.now)
-    track_row: Row = ((frame.glyphs.track * track_width(frame), "faint"),)
+    track_row: Row = ((frame.glyphs.track * frame.track, "faint"),)
     text = age_note(sensor.t, frame) if stale else sensor.text or "nothing seen"
-    return meter_row(_short(sensor.name), track_row, text, "stale" if stale else "plain")
+    look = "stale" if stale else "plain"
+    return meter_row(_short(sensor.name), track_row, text, look, frame)
 
 
 def _short(name: str) -> str:
     """`distance`, or whose it is: `left dist`."""
     whose, _, kind = name.rpartition(".")
-    return f"{fit(whose, NAME - 7).rstrip()} {kind[:4]}" if whose else name
+    return f"{whose} {kind[:4]}" if whose else name
 
 
 def _robots(names: list[str]) -> list[str]:
@@ -353,23 +367,23 @@ def _robots(names: list[str]) -> list[str]:
     return list(dict.fromkeys(name[: -len(name.rpartition(".")[2])] for name in names))
 
 
-def _loudness_rows(state: ConsoleState, frame: PaintFrame, speech: str) -> list[Row]:
+def _loudness_rows(state: ConsoleState, frame: MeterFrame, speech: str) -> list[Row]:
     """Every microphone's level; `speech` is said of an utterance that is being cut out of it."""
     loud = [name for name in state.sensors if name.rpartition(".")[2] == "loudness"]
     return [row for name in loud for row in _loudness(state, name, frame, speech)]
 
 
-def _loudness(state: ConsoleState, name: str, frame: PaintFrame, speech: str = "") -> list[Row]:
+def _loudness(state: ConsoleState, name: str, frame: MeterFrame, speech: str = "") -> list[Row]:
     """The level on a track of decibels, quiet below the threshold of speech, green in a voice."""
     sensor = state.sensor(name)
     if sensor is None or state.perception.hides("loudness"):
         return [hidden_row(_short(name), frame)]
     if state.perception.blurs("loudness"):
         return [_coarse(state, sensor, frame)]
-    glyphs, width = frame.glyphs, track_width(frame)
+    glyphs, width = frame.glyphs, frame.track
     if sensor.value is None or state.is_stale(sensor, frame.now):
         empty: Row = ((glyphs.track * width, "faint"),)
-        return [meter_row(_short(name), empty, age_note(sensor.t, frame), "stale")]
+        return [meter_row(_short(name), empty, age_note(sensor.t, frame), "stale", frame)]
     level = decibels(sensor.value)
     speaking = sensor.state == "speaking"
     full = track_cell(1 - level / SILENCE_DB, width + 1)
@@ -383,7 +397,7 @@ def _loudness(state: ConsoleState, name: str, frame: PaintFrame, speech: str = "
     look = "good" if speaking else "warn" if sensor.state in ("clipping", "silent") else "plain"
     if speech and look != "warn":
         mark, look = speech.replace("speech", glyphs.yes), "good"
-    return [meter_row(_short(name), merge_pieces(cells), f"{level:3.0f} dB {mark}", look)]
+    return [meter_row(_short(name), merge_pieces(cells), f"{level:3.0f} dB {mark}", look, frame)]
 
 
 def _threshold(state: ConsoleState, loudness: str) -> float | None:
@@ -395,7 +409,7 @@ def _threshold(state: ConsoleState, loudness: str) -> float | None:
 # -- who is there, and what the robot makes of it -------------------------------------------------
 
 
-def _verdicts(state: ConsoleState, robot: str, frame: PaintFrame) -> list[Row]:
+def _verdicts(state: ConsoleState, robot: str, frame: MeterFrame) -> list[Row]:
     """Presence, gaze and identity with a mark each: yes, no, old."""
     pieces: list[Piece] = []
     for name, word in (("presence", "person"), ("gaze", "looks")):
@@ -415,7 +429,7 @@ def _verdicts(state: ConsoleState, robot: str, frame: PaintFrame) -> list[Row]:
         name = clean(who.text) or "unknown"
         look = "stale" if state.is_stale(who, frame.now) else "plain" if who.text else "muted"
         pieces.append((name, look))
-    return [(name_piece(f"{robot}visitor"), *pieces)] if pieces else []
+    return [(name_piece(f"{robot}visitor", frame), *pieces)] if pieces else []
 
 
 def _verdict(yes: bool, word: str, stale: bool, glyphs: Glyphs) -> Piece:
@@ -426,7 +440,7 @@ def _verdict(yes: bool, word: str, stale: bool, glyphs: Glyphs) -> Piece:
     return (f"{glyphs.no} {word}", "muted")
 
 
-def _engagement(state: ConsoleState, frame: PaintFrame) -> list[Row]:
+def _engagement(state: ConsoleState, frame: MeterFrame) -> list[Row]:
     changed = state.session.model.changed
     if state.perception.hides("engagement") and is_offered(state.engaged, state.verbs):
         return [hidden_row("engaged", frame)]
@@ -434,12 +448,12 @@ def _engagement(state: ConsoleState, frame: PaintFrame) -> list[Row]:
         return []
     verdicts = "  ".join(_marked(changed, frame.glyphs))
     first: Row = (
-        name_piece("engaged"),
+        name_piece("engaged", frame),
         (state_sentence(changed.now, changed.visitor, frame.glyphs), "strong"),
     )
     if length(first) + cell_len(verdicts) + 2 <= frame.width:
         first += ((f"  {verdicts}", "muted"),)
-    why: Row = ((" " * NAME, "plain"), (clean(changed.why), "muted"))
+    why: Row = (name_piece("", frame), (clean(changed.why), "muted"))
     return [first, why]
 
 

@@ -245,19 +245,33 @@ def test_the_preflight_tells_what_is_odd_in_the_file(tmp_path: Path) -> None:
     on_stage(tmp_path, scenario)
 
 
+#: Sensor -> its value, the unit, and what a wizard reads.
+VALUES_IN_WORDS = {
+    "presence": (0.0, "", "nobody"),
+    "gaze": (1.0, "", "looking"),
+    "loudness": (0.0076, "", "-42 dB"),
+    "people": (0.0, "", "nobody"),
+    "battery": (0.874, "", "87%"),
+    "distance": (5.0, "m", "5.00 m"),
+    "temperature": (41.5, "C", "41.5 C"),
+}
+
+
 def test_the_preflight_says_in_words_what_sensors_say_in_numbers(tmp_path: Path) -> None:
     made = experiment(tmp_path)
-    spec = replace(made.drivers[0], offer=Offer(sensors=("presence", "gaze", "loudness")))
+    spec = replace(made.drivers[0], offer=Offer(sensors=tuple(VALUES_IN_WORDS)))
     said: dict[str, str] = {}
 
     async def scenario(rig: SessionRig) -> None:
         context = rig.driver().context
-        for name, value in (("presence", 0.0), ("gaze", 1.0), ("loudness", 0.0076)):
-            context.reading(name, value)
+        for name, (value, unit, _) in VALUES_IN_WORDS.items():
+            context.reading(name, value, unit=unit)
         said.update((one.subject, one.text) for one in await preflight(rig.session))
 
     SessionRig(tmp_path, made=replace(made, drivers=(spec,))).run(scenario)
-    assert (said["presence"], said["gaze"], said["loudness"]) == ("nobody", "looking", "-42 dB")
+    assert {name: said[name] for name in VALUES_IN_WORDS} == {
+        name: words for name, (_, _, words) in VALUES_IN_WORDS.items()
+    }
 
 
 def test_the_preflight_knows_seldom_sensors_and_those_of_events(tmp_path: Path) -> None:

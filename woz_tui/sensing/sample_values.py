@@ -52,6 +52,13 @@ def gaze(value: object) -> bool | None:
 FLAGS = {"presence": presence, "gaze": gaze}
 
 
+def is_share(name: str, value: float, unit: str) -> bool:
+    """Whether a figure is a battery's charge as drivers give it, 0 to 1 without a unit: people know
+    it in percent. The battery of one robot of several has its name in front: `left.battery`.
+    """
+    return name.rpartition(".")[2] == "battery" and not unit and 0.0 <= value <= 1.0
+
+
 def _amount(value: object) -> float | None:
     found = float(value) if isinstance(value, bool) else number(value)
     return found if found is not None and 0.0 <= found < math.inf else None

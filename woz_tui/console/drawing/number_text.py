@@ -23,13 +23,6 @@ def time_left(us: int) -> str:
     return f"{minutes}:{rest:02}"
 
 
-def is_share(name: str, value: float, unit: str) -> bool:
-    """Whether a figure is a battery's charge as drivers give it, 0 to 1 without a unit: people know
-    it in percent. The battery of one robot of several has its name in front: `left.battery`.
-    """
-    return name.rpartition(".")[2] == "battery" and not unit and 0.0 <= value <= 1.0
-
-
 def age(us: int) -> str:
     """`4 s`, from a hundred seconds on in minutes."""
     value = max(0, us) / 1_000_000

@@ -7,9 +7,9 @@ import re
 from decimal import Decimal, InvalidOperation
 
 from woz_tui.console.drawing.glyphs import Glyphs
-from woz_tui.console.drawing.number_text import is_share
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.robot_outline import Setting
+from woz_tui.sensing.sample_values import is_share
 
 _PASSWORD = re.compile(r"//[^/@]*:[^/]*@")
 _COLOR = re.compile("#[0-9a-fA-F]{6}")

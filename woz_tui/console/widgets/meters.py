@@ -26,7 +26,7 @@ from woz_tui.console.drawing.meter_rows import (
     ruler,
     track_cell,
 )
-from woz_tui.console.drawing.number_text import SILENCE_DB, decibels, is_share
+from woz_tui.console.drawing.number_text import SILENCE_DB, decibels
 from woz_tui.console.engagement.meter import block_rows
 from woz_tui.console.engagement.sign_bars import FARTHEST
 from woz_tui.console.state.console_state import ConsoleState
@@ -35,7 +35,7 @@ from woz_tui.console.state.view_models import SensorView
 from woz_tui.console.state.wizard_overrides import is_offered
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.proxemics import ZONES, zone
-from woz_tui.sensing.sample_values import FLAGS
+from woz_tui.sensing.sample_values import FLAGS, is_share
 from woz_tui.session.redactor import HIDDEN, perceived_kind
 
 #: What one degree of freedom publishes; with its robot in front where several have the same.

@@ -268,6 +268,32 @@ def test_a_blank_stands_before_the_time_left_and_the_word(width: int) -> None:
     assert "refused" not in line_with("More", found) or " refused " in line_with("More", found)
 
 
+@pytest.mark.parametrize(
+    ("width", "wordy"), [(26, set()), (36, {"Short"}), (48, {"Short", "Long"})]
+)
+def test_sentences_stand_beside_all_labels_of_a_panel_or_beside_none(
+    width: int, wordy: set[str]
+) -> None:
+    labels = {"Short": ("Yes", "Welcome"), "Long": ("No", "To the museum shop")}
+    shown = [
+        PanelView(title=title, actions=[ActionView(name=name, label=name) for name in names])
+        for title, names in labels.items()
+    ]
+    said = m.ActionsFilled(
+        t=NOW,
+        actions={
+            name: [
+                [m.FilledCall(verb="say", driver="voice", args={"text": f"I say {name} to you"})]
+            ]
+            for names in labels.values()
+            for name in names
+        },
+    )
+    found = lines(console_state(said, shown=shown), PaintFrame(width, 8, NOW))
+    for title, names in labels.items():
+        assert {"“I say" in line_with(name, found) for name in names} == {title in wordy}
+
+
 def test_what_the_robot_does_not_do_stands_on_the_button() -> None:
     actions = [
         ActionView(name="Hello", label="Hello", verbs=["say"], without=["eyes", "play.speed"]),

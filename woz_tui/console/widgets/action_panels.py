@@ -185,8 +185,9 @@ CAP_LEAST, CAP_MOST = 3, 8
 #: Lines that panels get at most on a roomy screen, where events stand beneath them.
 MOST = 32
 
-#: Cells of what is said, beside its label, at the least.
-WORDS = 12
+#: Cells of what is said, beside the longest label of its panel, at the least; and beside a label
+#: with a word behind it.
+WORDS, FEW_WORDS = 12, 5
 
 _LOOK = {
     ButtonState.READY: "plain",
@@ -264,10 +265,15 @@ def panel_rows(
     page = board.page(arranged)
     cap = cap_width(state, board, frame.glyphs)
     column_frame = replace(frame, width=arranged.width)
-    grid: dict[tuple[int, int], Row] = {}
-    for slot in arranged.slots:
-        if slot.page == page:
-            grid[slot.row, slot.column] = _slot(state, slot, column_frame, board, cap)
+    slots = [slot for slot in arranged.slots if slot.page == page]
+    panels = {slot.panel for slot in slots}
+    said = _said(
+        state, [slot for slot in arranged.slots if slot.panel in panels], column_frame, cap
+    )
+    grid = {
+        (slot.row, slot.column): _slot(state, slot, column_frame, board, cap, said)
+        for slot in slots
+    }
     rows = []
     blank: Row = ((" " * arranged.width, "plain"),)
     for y in range(frame.height):
@@ -280,8 +286,37 @@ def panel_rows(
     return rows
 
 
+def _said(
+    state: ConsoleState, slots: Sequence[Slot], frame: PaintFrame, cap: int
+) -> dict[str, str]:
+    """What actions say, by their names; of a panel in which one has no room for it, of none."""
+    panels: dict[int, dict[str, str]] = {}
+    narrow = set()
+    for slot in slots:
+        if slot.action is None:
+            continue
+        standing = state.button_view(state.front[slot.panel], slot.action, frame.now)
+        words = quotation(state.words_on(slot.action.name, standing), frame.glyphs)
+        if not words:
+            continue
+        panels.setdefault(slot.panel, {})[slot.action.name] = words
+        if frame.width - cap - FIXED - 2 - cell_len(clean(slot.action.label)) < WORDS:
+            narrow.add(slot.panel)
+    return {
+        name: words
+        for panel, told in panels.items()
+        if panel not in narrow
+        for name, words in told.items()
+    }
+
+
 def _slot(
-    state: ConsoleState, slot: Slot, frame: PaintFrame, board: PanelSelection, cap: int
+    state: ConsoleState,
+    slot: Slot,
+    frame: PaintFrame,
+    board: PanelSelection,
+    cap: int,
+    said: Mapping[str, str],
 ) -> Row:
     panel = state.front[slot.panel]
     if slot.action is None:
@@ -296,9 +331,8 @@ def _slot(
         word = word or f"no {', '.join(without)}"
         if not slot.action.verbs and standing.state is ButtonState.READY:
             look = "muted"
-    said = quotation(state.words_on(slot.action.name, standing), frame.glyphs)
     room = frame.width - cap - 1
-    texts = clean(slot.action.label), said
+    texts = clean(slot.action.label), said.get(slot.action.name, "")
     body = _body(texts, standing, (word, look), room, frame.glyphs)
     return ((_centred(key, cap, frame.glyphs.ellipsis), keylook), (" ", "plain"), *body)
 
@@ -357,7 +391,7 @@ def _body(
     if not (word if timed else spare > cell_len(word) + 1):
         shown = ""
     left_over = room - 4 - cell_len(label) - cell_len(shown)
-    beside = f"  {fit(said, left_over, glyphs.ellipsis)}" if said and left_over >= WORDS else ""
+    beside = f"  {fit(said, left_over, glyphs.ellipsis)}" if said and left_over >= FEW_WORDS else ""
     width = room - 2 - cell_len(shown) - cell_len(beside)
     front = f"{glyph} {fit(label, width, glyphs.ellipsis)}"
     if not timed or standing.share is None:

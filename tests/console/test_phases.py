@@ -85,6 +85,16 @@ async def test_beside_a_phase_a_driver_that_is_lost_stays_in_sight() -> None:
 
 
 @SIZES
+async def test_a_phases_title_is_cut_only_where_there_is_no_room(size: tuple[int, int]) -> None:
+    title = "Free talk about what was seen"
+    settings: dict[str, m.Json] = {"phases": [{"name": "talk", "title": title}]}
+    async with piloted_console(scenes.welcome(settings=settings), size=size) as pilot:
+        await at(pilot, begins("talk"))
+        shown = title if size[0] > 80 else "Free talk about wh…"
+        assert f"{shown} 00:00" in pilot.text("StatusLines")
+
+
+@SIZES
 async def test_panels_of_other_phases_fold_away(size: tuple[int, int]) -> None:
     async with piloted_console(guide(), size=size) as pilot:
         before = pilot.text("ActionPanels")

@@ -193,5 +193,13 @@ def test_long_names_leave_room_for_time_and_recorder(width: int, glyphs: Glyphs)
     assert glyphs is UNICODE or text.isascii()
 
 
+def test_a_profiles_name_is_cut_only_where_there_is_no_room() -> None:
+    state = ConsoleState()
+    state.apply([guide("the first afternoon")], 0)
+    for width, shown in ((160, "profile the first afternoon  "), (72, "the first aft")):
+        [top, _] = status_rows(state, PaintFrame(width, 2, NOW), StatusInfo())
+        assert shown in "".join(piece for piece, _ in top)
+
+
 def test_a_profile_of_which_nothing_is_known_has_no_words() -> None:
     assert ProfileList("", ("a",), {}).words("a") == ""

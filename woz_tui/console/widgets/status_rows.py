@@ -36,7 +36,7 @@ SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
 LATE_US = 1_000_000
 #: Columns from which words stand before figures.
 WORDY = 100
-#: Cells of a phase's title at the most.
+#: Cells of a phase's title before drivers and the next phase have their room.
 PHASE = 18
 #: Cells between the drivers and what stands at the right.
 GAP = 3
@@ -80,10 +80,12 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
     first = spread(_fitting(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
     block = _block(state, frame, line.cut, width - length(failures))
     failures = (*block, *failures)
-    room = width - length(failures) - length(phase := _phase(state, frame))
+    room = width - length(failures) - length(phase := _phase(state, frame, PHASE))
     drivers = _drivers(state, glyphs, room - GAP if phase else room)
-    phase += _next_phase(state, line.phase, room - length(drivers) - GAP)
-    return [first, spread(drivers, (*phase, *failures), width, glyphs.ellipsis)]
+    room -= length(drivers) + GAP
+    following = _next_phase(state, line.phase, room)
+    phase = _phase(state, frame, PHASE + max(0, room - length(following)))
+    return [first, spread(drivers, (*phase, *following, *failures), width, glyphs.ellipsis)]
 
 
 def _fitting(parts: list[Row], width: int) -> Row:
@@ -301,14 +303,14 @@ def _failures(state: ConsoleState, glyphs: Glyphs, key: str) -> Row:
     return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
 
 
-def _phase(state: ConsoleState, frame: PaintFrame) -> Row:
-    """The phase with its time."""
+def _phase(state: ConsoleState, frame: PaintFrame, cells: int) -> Row:
+    """The phase with its time; its title has so many cells at the most."""
     study, phases = state.session.study, state.settings.phases
     if not phases:
         return ()
     row: Row = (("no phase ", "muted"),)
     if (present := study.phase) is not None:
-        name = fit_most(state.heading(present.label), PHASE, frame.glyphs.ellipsis)
+        name = fit_most(state.heading(present.label), cells, frame.glyphs.ellipsis)
         planned, passed = present.changed.planned_us, frame.now - present.begin
         limit = f"/{elapsed(planned)}" if planned else ""
         late = "warn" if 0 < planned < passed else "plain"

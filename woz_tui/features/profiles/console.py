@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from rich.cells import cell_len
-
-from woz_tui.console.drawing.cells import Row, clean, fit
+from woz_tui.console.drawing.cells import Row, clean, fit_most
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventContext, EventLine, other_console
@@ -16,7 +14,8 @@ from woz_tui.features.profiles.history import ProfileHistory
 from woz_tui.features.profiles.kinds import ProfileChanged
 from woz_tui.protocol.welcome import Allowance
 
-#: Cells of a profile's name at the most, and columns from which its word stands before it.
+#: Cells of a profile's name on a narrow screen, and columns from which it has a quarter of them and
+#: its word stands before it.
 NAME, WORDY = 14, 100
 #: What may be used where no profile is in use.
 EVERYTHING = "everything"
@@ -70,8 +69,9 @@ def _in_use(state: ConsoleState, frame: PaintFrame) -> Row:
     name = clean(profiles_of(state).current)
     if not name:
         return ()
-    word = "profile " if frame.width >= WORDY else ""
-    shown = fit(name, min(NAME, cell_len(name)), frame.glyphs.ellipsis)
+    wide = frame.width >= WORDY
+    word, most = ("profile ", frame.width // 4) if wide else ("", NAME)
+    shown = fit_most(name, most, frame.glyphs.ellipsis)
     return (("  ", "plain"), (f"{frame.glyphs.locked} {word}{shown}", "wait"))
 
 

@@ -80,7 +80,7 @@ async def test_a_session_without_a_body_has_no_room_for_one() -> None:
 
 
 @pytest.mark.toolkit("U1", "V1")
-@pytest.mark.parametrize("size", [ROOMY, NARROW])
+@pytest.mark.parametrize("size", [ROOMY, (96, 24)])
 async def test_two_robots_stand_side_by_side(size: tuple[int, int]) -> None:
     robots = ("left.", "right.")
     state = [*bodies.alive("left.", emotion="angry"), *bodies.alive("right.", emotion="sad")]
@@ -91,6 +91,17 @@ async def test_two_robots_stand_side_by_side(size: tuple[int, int]) -> None:
         assert shown.count(LARGE if size == ROOMY else COMPACT) == (4 if size == ROOMY else 2)
         assert "angry 80 %" in shown
         assert "sad 80 %" in shown
+
+
+@pytest.mark.parametrize("width", [80, 84, 90, 96, 110, 119])
+@pytest.mark.parametrize("robots", [("left.", "right."), ("",)], ids=["two", "one"])
+async def test_bodies_give_way_to_meters_and_events(width: int, robots: tuple[str, ...]) -> None:
+    state = [message for robot in robots for message in bodies.alive(robot)]
+    async with piloted_console(bodies.welcome(state, robots), size=(width, 24)) as pilot:
+        for part in ("Meters", "EventList"):
+            assert pilot.console.query_one(part).region.width >= 32, part
+        title = pilot.text("BodyPane").splitlines()[0]
+        assert ("+1" in title) is (len(robots) == 2 and width < 96)
 
 
 @pytest.mark.toolkit("V1")

@@ -271,7 +271,7 @@ def panel_rows(
         state, [slot for slot in arranged.slots if slot.panel in panels], column_frame, cap
     )
     grid = {
-        (slot.row, slot.column): _slot(state, slot, column_frame, board, cap, said)
+        (slot.row, slot.column): _slot(state, slot, column_frame, board, cap, said=said)
         for slot in slots
     }
     rows = []
@@ -316,6 +316,7 @@ def _slot(
     frame: PaintFrame,
     board: PanelSelection,
     cap: int,
+    *,
     said: Mapping[str, str],
 ) -> Row:
     panel = state.front[slot.panel]

@@ -43,6 +43,8 @@ SENTENCE_FROM = 18
 #: Lines of bodies under the meters on a wide screen and on a roomy one; columns of each body, and
 #: bodies at the most, beside the meters.
 LOW_BODIES, BODIES, BODY_WIDTH, NARROW_BODIES = 6, 20, 14, 2
+#: Columns that meters and events keep beside them, each.
+SIDE_WIDTH = 32
 #: Lines the events keep at least.
 EVENTS = 10
 #: The smallest screen with all parts, and the smallest with panels.
@@ -96,7 +98,8 @@ def body_columns(screen: Size, needs: Needs) -> int:
     """Columns of bodies beside the meters."""
     if shape(screen) != "narrow":
         return 0
-    return BODY_WIDTH * min(needs.bodies, NARROW_BODIES)
+    spare = max(0, screen.width - 1 - 2 * SIDE_WIDTH)
+    return BODY_WIDTH * min(needs.bodies, NARROW_BODIES, spare // BODY_WIDTH)
 
 
 class SidePane(Container):

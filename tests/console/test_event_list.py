@@ -194,6 +194,33 @@ def test_a_change_of_the_model_moves_no_row() -> None:
     assert "waits for your answer" in after[-1]
 
 
+def times(shown: list[str]) -> list[str]:
+    """When each listed event happened, newest first, as it is read."""
+    return [row.split()[0] for row in shown if row.strip()]
+
+
+def test_rows_with_a_time_stand_in_order_of_time() -> None:
+    picture = conversation()
+    later = NOW + 60 * scenes.SECOND
+    late = m.ModeChanged(driver="robot", was="normal", now="demo", why="", t=later)
+    earlier = m.DriverLost(driver="head", detail="unplugged", t=NOW + 20 * scenes.SECOND)
+    picture.apply([late, earlier], 0)
+    shown = times(rows(picture, 30))
+    assert shown[-1] == "model"
+    assert shown[:-1] == sorted(shown[:-1], reverse=True)
+
+
+def test_a_failure_whose_beginning_is_listed_no_more_has_its_place_in_time() -> None:
+    picture = welcomed()
+    begun = m.ActionRequested(run="r1", action="on Wait", source="engagement", t=NOW)
+    failed = m.ActionFailed(run="r1", action="on Wait", reason="hangs", t=NOW + 9 * scenes.SECOND)
+    marker = m.Marker(text="between", t=NOW + 5 * scenes.SECOND)
+    picture.apply([begun, marker, failed], 0)
+    shown = times(rows(picture, 30))
+    assert "hangs" in "\n".join(rows(picture, 30))
+    assert shown == sorted(shown, reverse=True)
+
+
 def test_a_fault_is_in_every_view() -> None:
     picture = conversation()
     picture.apply([m.DriverLost(driver="head", detail="unplugged", t=NOW)], 0)

@@ -66,7 +66,7 @@ _NO_PLAN = m.SessionPlan(
 #: How long an action that is over still shows how it ended.
 DONE_US, REFUSED_US, STOPPED_US = 1_500_000, 5_000_000, 3_000_000
 #: Events kept for the list; the log on disk has them all.
-EVENTS = 400
+EVENTS, SECOND_US = 400, 1_000_000
 #: Commands whose end is remembered: of those that a dialog waits for there are a few at a time.
 ENDS = 64
 #: Events that may tell what the wizard was not to see, when that changes in the middle.
@@ -499,7 +499,15 @@ class ConsoleState:
         if told.model:  # one line says where the model is: the last one
             kept = [event for event in self.events if not event.model]
             self.events = deque(kept, maxlen=EVENTS)
-        self.events.append(told)
+        at = len(self.events)
+        # A line that comes late has its place in time, of which the list shows whole seconds.
+        while at and self.events[at - 1].t // SECOND_US > told.t // SECOND_US:
+            at -= 1
+        if len(self.events) == EVENTS:
+            self.events.popleft()
+            at -= 1
+        if at >= 0:  # else it is older than all that are kept
+            self.events.insert(at, told)
 
     # -- reading ----------------------------------------------------------------------------
 

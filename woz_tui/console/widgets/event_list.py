@@ -1,7 +1,8 @@
 """Event list, newest on top: what people did and what is wrong comes first.
 
 What machines tell of themselves has the rows that are left. The engagement model has one row,
-always the lowest, in which each change replaces the one before. A key selects what is listed.
+always the lowest and without a time, in which each change replaces the one before. A key selects
+what is listed.
 """
 
 from __future__ import annotations
@@ -100,7 +101,8 @@ def event_row(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Row:
     glyphs = frame.glyphs
     look = LOOK.get(event.mark, "plain")
     mark = str(getattr(glyphs, event.mark, glyphs.info))
-    front: tuple[Piece, ...] = ((f" {elapsed(event.t):>5} ", "muted"), (f"{mark} ", look))
+    when = "model" if event.model else elapsed(event.t)
+    front: tuple[Piece, ...] = ((f" {when:>5} ", "muted"), (f"{mark} ", look))
     back = _back(event, state, frame)
     room = frame.width - sum(cell_len(text) for text, _ in (*front, back))
     text = glyphs.plain(clean(event.text))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import itertools
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +61,11 @@ def test_the_table_says_what_each_key_does(
     out = printed.out
     assert "\x1b" not in out
     assert "keys on a plain terminal with a us keyboard" in out
+    for key, label, does in (
+        ("$", "repeat", "repeat the last sentence"),
+        ("ctrl+n", "interrupt", ""),
+    ):
+        assert re.search(rf" {re.escape(key)} .* {label} +{does}", out), key
     assert 'say "Hello {participant}" + play nod speed 0.5' in out
     assert "1*" in out
     assert "* instead of ctrl+1: sends the same bytes as 1" in out

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from tests.config.reading import errors, panel, read_experiment
 from tests.config.test_key_names import bases, layouts, modifiers
+from tools.sample_session import DEMO
 from woz_tui.config import keys
 from woz_tui.config.keys import (
     BUILTIN_KEYS,
@@ -25,6 +26,8 @@ from woz_tui.config.keys import (
     key_map,
     normal_key,
 )
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
 
 
 @dataclass(frozen=True)
@@ -274,3 +277,21 @@ def test_the_last_of_the_consoles_keys_yield_to_everybody() -> None:
     found = mapped(last.chord)
     assert found.actions["A0"].press == last.chord
     assert found.builtins[last.id].press == last.reserves[0]
+
+
+@pytest.mark.parametrize("layout", keys.LAYOUTS)
+@pytest.mark.parametrize("terminal", [PLAIN, TMUX, KITTY, LINUX], ids=lambda each: each.name)
+def test_no_repair_needs_altgr_or_has_a_key_that_the_demo_plays(
+    layout: str, terminal: keys.Terminal
+) -> None:
+    demo = load(DEMO, installed())
+    found = key_map(demo.panels, terminal, layout)
+    played = {entry.press for entry in found.actions.values()}
+    keyboard = keys.LAYOUTS[layout]
+    for action in demo.repairs:
+        press = found.builtins[action.name.replace(" ", "_", 1)].press
+        assert press
+        assert press not in played
+        assert press not in keyboard.altgr + keyboard.dead, (action.label, press)
+        if terminal != LINUX:  # there the console's own keys take what stands in for arrows
+            assert not found.builtins[action.name.replace(" ", "_", 1)].reserve

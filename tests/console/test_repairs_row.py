@@ -6,6 +6,7 @@ import msgspec
 
 from tests.console import scenes
 from tests.console.piloting import piloted_console
+from woz_tui.config.keys import BUILTIN_KEYS
 from woz_tui.config.repairs import LABELS
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
@@ -37,7 +38,11 @@ async def test_all_of_them_stand_in_one_row_of_eighty_columns() -> None:
 
 async def test_a_key_asks_for_the_repair_from_every_page() -> None:
     async with piloted_console(welcome(ALL, scenes.many_panels(60))) as pilot:
-        for key, name in (("$", "repair repeat"), ("(", "repair yes"), ("[", "repair dont_know")):
+        for key, name in (
+            ("$", "repair repeat"),
+            ("(", "repair yes"),
+            ("ctrl+u", "repair dont_know"),
+        ):
             await pilot.press("tab")
             assert LABELS[name] in pilot.text("RepairRow")
             await pilot.press(key)
@@ -55,7 +60,7 @@ async def test_a_held_key_says_yes_once() -> None:
 
 async def test_an_interruption_opens_the_field_for_what_is_said_instead() -> None:
     async with piloted_console(welcome(FEW)) as pilot:
-        await pilot.press("!")
+        await pilot.press("ctrl+n")
         asked = pilot.feed.last(r.AskAction)
         assert isinstance(asked, r.AskAction)
         assert asked.action == "repair interrupt"
@@ -74,10 +79,10 @@ async def test_repairs_that_the_file_does_not_have_have_no_key() -> None:
 
 
 async def test_a_repair_gives_its_key_to_the_experiment_and_says_where_none_is_left() -> None:
-    taken = "\"'$()&#![]\\{}|~"
+    own = [item for item in BUILTIN_KEYS if item.id in ("repair_repeat", "repair_interrupt")]
+    taken = ['"', *dict.fromkeys(key for item in own for key in (item.chord, *item.reserves))]
+    taken.remove("insert")  # one is left, for two of them
     actions = [ActionView(name=f"A{n}", label=f"A{n}", key=key) for n, key in enumerate(taken)]
-    spare = ("home", "end", "insert")
-    actions += [ActionView(name=key, label=key, key=key) for key in spare[:2]]
     shown = [PanelView(title="Signs", actions=actions)]
     async with piloted_console(welcome(FEW, shown)) as pilot:
         row = pilot.text("RepairRow")
@@ -100,8 +105,10 @@ async def test_its_line_in_the_list_of_events_has_its_label() -> None:
 
 async def test_an_interruption_from_the_reading_thread_reaches_the_screen() -> None:
     async with piloted_console(welcome(FEW)) as pilot:
-        assert not pilot.console.keyboard.arrive("!")  # left to the screen, which offers it again
-        await pilot.press("!")
+        assert not pilot.console.keyboard.arrive(
+            "ctrl+n"
+        )  # left to the screen, which offers it again
+        await pilot.press("ctrl+n")
         assert pilot.feed.last(r.AskAction) is not None
 
 

@@ -312,6 +312,19 @@ def _keys_table(experiment: Experiment, keymap: keys.KeyMap) -> Table:
                 _action_cell(action, assigned, main_names),
                 end_section=index == len(panel.actions) - 1,
             )
+    for index, action in enumerate(experiment.repairs):
+        own = action.name.replace(" ", "_", 1)
+        assigned, builtin = keymap.builtins[own], keys.builtin_key(own)
+        does = _action_cell(action, assigned, main_names)
+        if builtin is not None and not action.steps:
+            does = Text(builtin.description.removeprefix("repair: ")).append_text(does)
+        table.add_row(
+            Text(action.panel if index == 0 else ""),
+            Text(f"{assigned.press}*" if assigned.reserve else assigned.press or "-"),
+            Text(keys.describe_bytes(assigned.data)),
+            Text(action.label),
+            does,
+        )
     return table
 
 

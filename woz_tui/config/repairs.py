@@ -26,7 +26,7 @@ REPEAT, REWORD, INTERRUPT = "repair repeat", "repair reword", "repair interrupt"
 #: What stands on the screen.
 LABELS: Mapping[str, str] = {
     REPEAT: "repeat",
-    REWORD: "other words",
+    REWORD: "reword",
     "repair filler": "filler",
     "repair yes": "yes",
     "repair no": "no",

@@ -307,6 +307,29 @@ async def test_the_event_row_of_what_was_said_has_the_text() -> None:
         assert row.rstrip().endswith("2.4 s")
 
 
+async def test_the_screen_says_what_was_marked_as_a_mistake() -> None:
+    async with piloted_console(guide()) as pilot:
+        await pilot.tell(*pressed_action("a1", "Food", KRILL))
+        await pilot.tell(*pressed_action("a2", "Look", ""))  # it waits behind that
+        mine = pilot.console.state.console
+        await pilot.tell(m.Mistake(run="a1", action="Food", console=mine, t=NOW))
+        assert "Marked as a mistake: Food “Whales eat four" in pilot.text("StopBar")
+        await pilot.tell(m.Mistake(run="gone", action="Look", console=mine, t=NOW))
+        assert "Marked as a mistake: Look at the krill" in pilot.text("StopBar")
+        await pilot.tell(m.Mistake(run="a1", action="Food", console="con9", t=NOW))
+        assert "Look at the krill" in pilot.text("StopBar"), "another wizard's is theirs"
+
+
+async def test_what_is_kept_is_not_told_of_a_mistake() -> None:
+    async with piloted_console(guide(blind=True)) as pilot:
+        await pilot.tell(*pressed_action("a1", "Secret", HIDDEN_TEXT, ("condition",)))
+        mine = pilot.console.state.console
+        await pilot.tell(m.Mistake(run="a1", action="Secret", console=mine, t=NOW))
+        row = pilot.text("StopBar")
+        assert "Marked as a mistake: Secret" in row
+        assert HIDDEN_TEXT not in row
+
+
 async def test_how_long_a_kept_text_took_is_kept_too() -> None:
     async with piloted_console(guide(blind=True), size=(160, 50)) as pilot:
         told = pressed_action("a1", "Secret", HIDDEN_TEXT, ("condition",))

@@ -490,6 +490,7 @@ def test_mistakes_name_what_was_played(tmp_path: Path) -> None:
             rig.session.mistake("", "")
         hello = rig.session.play("Hello", KEY)
         typed = rig.session.send("say", {"text": "x"}, "", KEY)
+        await asyncio.sleep(1.5)
         rig.session.mistake("", "typo")
         rig.session.mistake(hello, "")
         with pytest.raises(RequestError, match="there is no action with the id 'a00099'"):

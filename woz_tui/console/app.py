@@ -32,6 +32,7 @@ from woz_tui.console.state.event_sentences import EventLine
 from woz_tui.console.state.remedy_text import remedy_text
 from woz_tui.console.state.study import StudyNews
 from woz_tui.console.widgets.bottom_rows import BarInfo, News
+from woz_tui.console.widgets.event_list import act_text
 from woz_tui.console.widgets.main_screen import MainScreen
 from woz_tui.console.widgets.meters import turned_away
 from woz_tui.console.widgets.status_rows import StatusInfo
@@ -40,6 +41,7 @@ from woz_tui.protocol.messages import (
     ConsoleAttached,
     ConsoleLost,
     DriverHealth,
+    Mistake,
     SessionStart,
     StopPressed,
     StopReleased,
@@ -216,6 +218,9 @@ class Console(ScreenApp):
                     self._news = News()  # it refused in another state
             elif isinstance(message, ConsoleAttached | ConsoleLost):
                 self._bind_arrows()
+            elif isinstance(message, Mistake) and message.console == self.state.console:
+                what = act_text(self.state, message.run, message.action, self.look.glyphs)
+                self.news(f"Marked as a mistake: {what}", "strong")
             elif isinstance(message, StopReleased) or (
                 isinstance(message, StopPressed) and message.scope == "all"
             ):

@@ -233,7 +233,9 @@ class AskNote(Request, frozen=True, kw_only=True, tag="note"):
 
 
 class AskMistake(Request, frozen=True, kw_only=True, tag="mistake"):
-    """Label a run as a mistake; an empty `run` means the last action."""
+    """Label a run as a mistake; an empty `run` means what a hand asked for and was heard or seen
+    last: nothing that waits or was refused.
+    """
 
     run: str = ""
     text: str = ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import functools
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -21,7 +22,10 @@ from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.session.action_texts import ActionTexts, Steps, calls_in, missing_value_error
 from woz_tui.session.response_delay import ResponseDelay, may_wait
 from woz_tui.session.variables import MissingValueError
+from woz_tui.timeline.session_state import SessionState
 
+#: Runs of which it is known that they have begun; so many never go on beside each other.
+BEGUN = 64
 #: Runs and commands that can still be labelled as mistakes.
 REMEMBERED = 2000
 #: Lanes of the gaze and of the face: what is played there goes with what is said.
@@ -99,11 +103,6 @@ class ActionRunner:
         self.scheduled: dict[str, asyncio.TimerHandle] = {}
         #: What was asked for, oldest first: run or command id, and the action's or verb's name.
         self.played: dict[str, str] = {}
-        #: The last of them that a human asked for: what the robot does by itself is not meant when
-        #: somebody says that the last one was a mistake.
-        self.by_hand = ""
-        #: The last one that each connection asked for.
-        self.last_over: dict[str, str] = {}
         hub.listen(self._on_message, m.MotionArrived, m.MotionInterrupted)
 
     # -- asked for ---------------------------------------------------------------------------
@@ -217,7 +216,7 @@ class ActionRunner:
                 unfilled=like.unfilled,
             )
         if not command.passing:
-            self._remember(command.command, call.verb, origin)
+            self._remember(command.command, call.verb)
         if refusal is not None:
             return self._bus.refuse(command, refusal.code, refusal.reason)
 
@@ -309,11 +308,8 @@ class ActionRunner:
         self._forget_begin(command)
         self._bus.refuse(held, code, reason, on_end)
 
-    def _remember(self, played: str, name: str, origin: RequestOrigin) -> None:
+    def _remember(self, played: str, name: str) -> None:
         self.played[played] = name
-        if is_by_hand(origin.source, origin.key):
-            self.by_hand = played
-            self.last_over[origin.console] = played
         if len(self.played) > REMEMBERED:
             del self.played[next(iter(self.played))]
 
@@ -328,7 +324,7 @@ class ActionRunner:
     ) -> str:
         self._actions += 1
         run = f"a{self._actions:05d}"
-        self._remember(run, name, origin)
+        self._remember(run, name)
         self._hub.publish(
             m.ActionRequested(
                 run=run,
@@ -349,6 +345,14 @@ class ActionRunner:
             if run.action.name == name and run.id not in self.scheduled:
                 return run.id, run.at < 0 or self._waits(run)
         return None
+
+    def says_now(self, run: str) -> bool:
+        """Whether something is said in the step at which the run of an action is."""
+        found = self._runs.get(run)
+        step = found.steps[found.at] if found is not None and found.at >= 0 else ()
+        return not isinstance(step, float | int) and any(
+            call.verb in SPEAKING_VERBS for call in step
+        )
 
     # -- step after step ---------------------------------------------------------------------
 
@@ -637,3 +641,49 @@ def _reason(verb: str, end: m.End) -> str:
         case m.Refused(code="unrecorded" | "locked" | "part" | "profile", reason=reason):
             return reason
     return f"{end.driver}: {end.reason}" if end.reason else end.driver
+
+
+class LastAct:
+    """What began last, of all that a hand asked for.
+
+    What waits, or was refused, has not been heard or seen and is not meant, however late it was
+    pressed; nor what a hand steers (arrow keys, knobs), or the robot does by itself. An action
+    counts from its first step on, and anew with each sentence; where a step says something, when
+    that is said: its gesture may be over while its sentence still waits behind another one.
+
+    Args:
+        state: What was asked for.
+        bus: Knows the verbs.
+        runner: Knows what an action's step has.
+    """
+
+    def __init__(self, state: SessionState, bus: Bus, runner: ActionRunner) -> None:
+        self._state, self._bus, self._runner = state, bus, runner
+        self._begun: deque[str] = deque(maxlen=BEGUN)
+        self._last = ""
+        self._last_of: dict[str, str] = {}
+
+    def of(self, console: str) -> str:
+        """The run or command; among several wizards the last one that came over `console`. Empty:
+        there was none.
+        """
+        return self._last_of.get(console, "") if len(self._state.wizards) > 1 else self._last
+
+    def on_dispatched(self, message: m.Dispatched) -> None:
+        """Something begins."""
+        command = self._state.commands.get(message.command)
+        if command is None or command.request.passing:
+            return
+        request = command.request
+        run = request.run or request.command
+        asked = self._state.actions.get(run) or self._state.commands.get(run)
+        if asked is None or not is_by_hand(asked.request.source, asked.request.key):
+            return
+        unsaid = run in self._begun or self._runner.says_now(run)
+        if unsaid and request.verb not in SPEAKING_VERBS:
+            return
+        verb = self._bus.verb(request.driver, request.verb)
+        if run == request.command and verb is not None and (verb.stream or verb.brief):
+            return
+        self._begun.append(run)
+        self._last = self._last_of[asked.request.console] = run

@@ -35,7 +35,7 @@ from woz_tui.protocol.action_messages import OF_CONSOLES, is_by_hand
 from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.protocol.requesters import WIZARD
-from woz_tui.session.action_runner import ActionRunner
+from woz_tui.session.action_runner import ActionRunner, LastAct
 from woz_tui.session.action_texts import ActionTexts, missing_value_error, utterances
 from woz_tui.session.bml_player import BmlPlayer
 from woz_tui.session.driver_context import OnCompletion
@@ -205,7 +205,9 @@ class Session:
         self.repairs = RepairController(
             lambda: self.experiment, self.state, self.runner, self.texts
         )
-        self.hub.listen(self.repairs.on_dispatched, m.Dispatched)
+        self.last_act = LastAct(self.state, self.bus, self.runner)
+        for listener in (self.repairs.on_dispatched, self.last_act.on_dispatched):
+            self.hub.listen(listener, m.Dispatched)
         robot.bus, robot.runner, robot.texts = self.bus, self.runner, self.texts
         self.blocks.bus, self.blocks.runner = self.bus, self.runner
         #: The last command of each control of a panel, by driver and control.
@@ -749,13 +751,11 @@ class Session:
         self.hub.publish(m.Note(text=text, tells=tells))
 
     def mistake(self, run: str, text: str, tells: tuple[str, ...] = (), console: str = "") -> None:
-        """Label a run or a single command as a mistake; an empty `run` is the last by hand, or
-        among several wizards the last that came over `console`.
+        """Label a run or a single command as a mistake; an empty `run` is what was heard or seen
+        last (see `LastAct`).
         """
         played = self.runner.played
-        several = len(self.state.wizards) > 1
-        last = self.runner.last_over.get(console, "") if several else self.runner.by_hand
-        wrong = run or last
+        wrong = run or self.last_act.of(console)
         if not wrong:
             raise RequestError("nothing has been played yet")
         if wrong not in played:

@@ -17,7 +17,9 @@ OFFERED = 40
 
 
 class MistakeDialog(ChoiceDialog):
-    """The last actions, newest first; backspace on the main screen takes the newest at once."""
+    """The last actions, newest first; backspace on the main screen takes at once what was heard or
+    seen last, without those that wait or were refused.
+    """
 
     heading = "That was a mistake"
     hint = "enter labels it in the log · ctrl+q closes"

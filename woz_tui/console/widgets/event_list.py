@@ -12,13 +12,13 @@ from itertools import zip_longest
 
 from rich.cells import cell_len
 
-from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.drawing.cells import Cells, Piece, Row, clean, cut, heading
-from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.number_text import seconds, time_left
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventLine
 from woz_tui.console.state.remedy_text import remedy_text
+from woz_tui.console.widgets.bottom_rows import quotation
 from woz_tui.system.text_cleaning import elapsed
 
 #: Rows the list may repaint at once, and a second in the long run. A flood of lines moves every row
@@ -110,12 +110,22 @@ def event_row(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Row:
     told = remedy_text(event.detail, state)
     detail = glyphs.plain(clean(", ".join(filter(None, (times, told)))))
     tone = look if event.mark in ("failed", "error", "refused", "warning", "stop") else "plain"
-    said = glyphs.plain(clean(event.utterance)) if event.utterance != HIDDEN_TEXT else ""
-    said = f" {glyphs.opening}{said}{glyphs.closing}" if said else ""
+    said = quotation(event.utterance, glyphs)
+    said = f" {said}" if said else ""
     body: Row = ((text, tone), (said, "muted"), (f"  {detail}" if detail else "", "muted"))
     if tone != "plain":  # why it went wrong comes before what it was
         body = (body[0], body[2], body[1])
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), back)
+
+
+def act_text(state: ConsoleState, run: str, action: str, glyphs: Glyphs) -> str:
+    """What the list calls a run or a command, with what it said; `action`: its name, if the list
+    does not have it.
+    """
+    for event in reversed(state.events):
+        if event.run == run:
+            return f"{event.text} {quotation(event.utterance, glyphs)}".strip()
+    return state.label(action)
 
 
 def _back(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Piece:

@@ -387,7 +387,7 @@ async def test_the_lines_state_is_the_feeds() -> None:
         assert "connection 61 ms" in pilot.text("StatusLines")
         pilot.feed.line_ok = False
         await pilot.pass_time(1.1)
-        assert "CONNECTION STALLED" in pilot.text("StatusLines")
+        assert "TERMINAL STALLED" in pilot.text("StatusLines")
 
 
 async def test_ascii_and_sixteen_colours_for_the_linux_console() -> None:

@@ -327,7 +327,7 @@ def test_going_on_without_a_record_stands_in_the_place_of_recording() -> None:
 
 def test_a_slow_and_a_stalled_line_are_told() -> None:
     assert "▲ connection 200 ms" in status(console_state(), line=StatusInfo(True, 200_000))
-    assert "CONNECTION STALLED" in status(console_state(), line=StatusInfo(False, None))
+    assert "TERMINAL STALLED" in status(console_state(), line=StatusInfo(False, None))
 
 
 def test_lost_drivers_failures_and_missing_participants_are_told() -> None:

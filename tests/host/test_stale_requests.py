@@ -201,3 +201,19 @@ async def test_what_waits_here_behind_other_requests_grows_older(tmp_path: Path)
         )
         reply = await peer.until(lambda line: line.get("ref") == 2)
         assert "6.0 s ago" in reply["reason"]
+
+
+@pytest.mark.parametrize(
+    ("age_us", "said"),
+    [(2_200_000, "may have been pressed 2.2 s ago"), (20_000, "more keys at once than anybody")],
+)
+async def test_what_a_console_calls_stale_is_told_by_its_age_and_blames_no_connection(
+    tmp_path: Path, age_us: int, said: str
+) -> None:
+    async with served_session(tmp_path, clock=BootClock()) as place:
+        peer = await place.connect()
+        await peer.hello()
+        fields = {"action": "Hello", "source": "key", "stale": True, "age_us": age_us}
+        reason = await refusal_of(place, peer, "action", fields)
+        assert said in reason
+        assert "connection" not in reason

@@ -480,7 +480,7 @@ class Console(ScreenApp):
 
     def _stale(self, chord: str, name: str, ref: int) -> None:
         what = self.state.label(name) or key_name(chord, self.look.glyphs)
-        self.news(f"Not played: {what}. The connection had stalled", "warn")
+        self.news(f"Not played: {what}. It came too late, or with many keys at once", "warn")
 
     def _held(self, chord: str, name: str, ref: int) -> None:
         """Who holds a key sees why it does no more; who meant it presses it again later."""

@@ -357,9 +357,12 @@ class RequestHandlers:
         """Why it is too old to move anything; its time in the socket counts."""
         age_us = self._session.standstill.waited_us(request.sent_us)
         if isinstance(request, AskAction | AskVerb | AskScript | AskPhase):
-            if request.stale:
-                return "too late: it arrived in a burst after the connection had stalled"
             age_us += max(0, request.age_us)
+            if request.stale:
+                # Who stood still, computer, terminal or the line between them, nobody can tell.
+                if self._session.too_old(age_us):
+                    return f"too late: it may have been pressed {age_us / 1_000_000:.1f} s ago"
+                return "too late: it came with more keys at once than anybody types"
         return self._session.too_old(age_us)
 
     # -- what takes its time -----------------------------------------------------------------

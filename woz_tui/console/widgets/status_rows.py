@@ -220,7 +220,7 @@ def _line(state: ConsoleState, line: StatusInfo, frame: PaintFrame) -> Row:
     """
     glyphs, round_trip = frame.glyphs, line.round_trip_us
     if not line.well:
-        return ((f" {glyphs.error} CONNECTION STALLED ", "alarm"),)
+        return ((f" {glyphs.error} TERMINAL STALLED ", "alarm"),)
     if own := state.line:
         if state.settings.driving == "pressed":
             return ((f"{glyphs.warning} via {own}: a lost line drives on ", "warn"),)

@@ -14,7 +14,7 @@ from tests.console import scenes
 from woz_tui.console.drawing.cells import Row, cut, fit, length, spread
 from woz_tui.console.drawing.glyphs import ASCII, UNICODE, PaintFrame, glyphs_for
 from woz_tui.console.drawing.key_caps import KeyCap, caption
-from woz_tui.console.drawing.theme import DARK, LIGHT, choose_appearance
+from woz_tui.console.drawing.theme import DARK, LIGHT, LOOKS, choose_appearance
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.widgets.action_panels import PanelSelection, cap_width, lay_out, panel_rows
 from woz_tui.protocol import messages as m
@@ -183,7 +183,7 @@ def test_the_look_follows_the_terminal(
 
 @pytest.mark.parametrize("theme", [DARK, LIGHT])
 def test_a_terminal_of_256_colours_shows_nearly_the_same_colours(theme: Theme) -> None:
-    shown = {name: str(value) for name, value in theme.variables.items() if "-" in name}
+    shown = {name: str(value) for name, value in theme.variables.items() if "style" not in name}
     shown |= {
         "background": str(theme.background),
         "surface": str(theme.surface),
@@ -197,6 +197,34 @@ def test_a_terminal_of_256_colours_shows_nearly_the_same_colours(theme: Theme) -
         assert max(abs(a - b) for a, b in pairs) <= 40, name
         if name.endswith(("ground", "faint", "surface", "panel")) and max(wanted.triplet) < 100:
             assert max(given) - min(given) <= 10 or max(wanted.triplet) - min(wanted.triplet) > 40
+
+
+def brightness(colour: str) -> float:
+    """Relative luminance, as the W3C's guidelines define it."""
+    parts = [part / 255 for part in Color.parse(colour).triplet or ()]
+    r, g, b = (p / 12.92 if p <= 0.03928 else ((p + 0.055) / 1.055) ** 2.4 for p in parts)
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b
+
+
+def contrast(one: str, other: str) -> float:
+    dark, light = sorted((brightness(one), brightness(other)))
+    return (light + 0.05) / (dark + 0.05)
+
+
+@pytest.mark.parametrize("theme", [DARK, LIGHT])
+def test_every_look_of_words_can_be_read_on_every_ground_also_on_a_chosen_line(
+    theme: Theme,
+) -> None:
+    known = {**theme.variables, "foreground": str(theme.foreground)}
+    cursor = {known["block-cursor-background"], known["block-cursor-blurred-background"]}
+    for look, (colour, ground, _) in LOOKS.items():
+        if look == "faint" or look.startswith("face-"):  # lines and lights, no words
+            continue
+        grounds = {known[ground]} if ground else {theme.background, theme.surface, theme.panel}
+        for each in grounds:
+            assert contrast(known[colour], str(each)) >= 4.5, (look, each)
+        for each in set() if ground else cursor:
+            assert contrast(known[colour], each) >= 4.2, (look, each)
 
 
 # -- rows and columns as such ----------------------------------------------------------------------

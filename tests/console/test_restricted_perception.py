@@ -11,6 +11,7 @@ from tests.console import bodies, engagement_scene, scenes, study_scene
 from tests.console.dialogs import OPENERS, open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.scripted_feed import redacted_welcome
+from woz_tui.console.drawing.cells import Cells
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -121,6 +122,17 @@ async def test_its_place_stays_with_a_quiet_word(what: str) -> None:
         hidden = [pair for pair in lines if "hidden" in pair[0]]
         assert hidden
         assert all(was == now for was, now in hidden)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+async def test_no_word_is_as_faint_as_a_line(size: tuple[int, int]) -> None:
+    moved = m.ScriptMoved(position=2, played=[0, 1], t=NOW)
+    for hidden in ([*TRACES], []):
+        async with piloted_console(restricted_welcome(hidden, role="wizard"), size=size) as pilot:
+            await pilot.tell(moved)
+            for widget in pilot.console.screen.query(Cells):
+                words = [text for row in widget.rows for text, look in row if look == "faint"]
+                assert not [text for text in words if any(map(str.isalpha, text))], widget
 
 
 async def test_nothing_tells_how_old_something_hidden_is() -> None:

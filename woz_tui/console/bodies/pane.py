@@ -129,8 +129,8 @@ def view_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[R
     drawn = _drawn(seen, {SIDE: (side, lines), ABOVE: (above, lines)}, glyphs)
     front = ", front " if above >= CAPTION else " "
     captions: Row = (
-        (fit(f"side{front}{glyphs.next}", side + GAP, glyphs.ellipsis), "faint"),
-        (fit(f"top{front}{glyphs.up}", above, glyphs.ellipsis), "faint"),
+        (fit(f"side{front}{glyphs.next}", side + GAP, glyphs.ellipsis), "muted"),
+        (fit(f"top{front}{glyphs.up}", above, glyphs.ellipsis), "muted"),
     )
     return [
         captions,
@@ -152,7 +152,7 @@ def _drawn(
 def _hidden_view(width: int, height: int) -> list[Row]:
     """A view of a pose that the wizard does not get to see."""
     rows: list[Row] = [((" " * width, "plain"),)] * height
-    rows[height // 2] = ((fit(HIDDEN.center(width), width), "faint"),)
+    rows[height // 2] = ((fit(HIDDEN.center(width), width), "muted"),)
     return rows
 
 

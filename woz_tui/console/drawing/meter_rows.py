@@ -81,7 +81,7 @@ def merge_pieces(cells: list[Piece]) -> Row:
 
 def hidden_row(name: str, frame: MeterFrame) -> Row:
     """The row of something that is kept from the wizard on purpose."""
-    return meter_row(name, ((frame.glyphs.track * frame.track, "faint"),), HIDDEN, "faint", frame)
+    return meter_row(name, ((frame.glyphs.track * frame.track, "faint"),), HIDDEN, "muted", frame)
 
 
 def age_note(t: int, frame: PaintFrame) -> str:

@@ -23,8 +23,25 @@ from textual.theme import BUILTIN_THEMES, Theme
 from woz_tui.console.drawing.glyphs import Glyphs, glyphs_for
 from woz_tui.system.user_folders import config_folder
 
+
+def _cursor(foreground: str, ground: str) -> dict[str, str]:
+    """The chosen line of a list, with and without the keyboard: a ground on which every look can be
+    read, because its pieces keep theirs.
+    """
+    return {
+        f"block-cursor-{blurred}{name}": value
+        for blurred in ("", "blurred-")
+        for name, value in (
+            ("foreground", foreground),
+            ("background", ground),
+            ("text-style", "bold"),
+        )
+    }
+
+
 _DARK = {
-    "woz-muted": "#8c96a5",
+    **_cursor("#ffffff", "#3a3d42"),
+    "woz-muted": "#9ba4b1",
     "woz-faint": "#444a52",
     "woz-strong": "#ffffff",
     "woz-title": "#9fc3e6",
@@ -49,7 +66,8 @@ _DARK = {
     "woz-face-ground": "#0a0b0d",
 }
 _LIGHT = {
-    "woz-muted": "#59636f",
+    **_cursor("#000000", "#c4d9f1"),
+    "woz-muted": "#535d68",
     "woz-faint": "#c4cad2",
     "woz-strong": "#000000",
     "woz-title": "#1f5a8c",

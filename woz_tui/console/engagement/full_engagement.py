@@ -162,7 +162,7 @@ def _sign(
     used = is_used(name, shown)
     quiet = sign.forced or found.look == "stale" or not used
     row: Row = (
-        (fit(name, _NAME + 1), "plain" if used else "faint"),
+        (fit(name, _NAME + 1), "plain" if used else "muted"),
         (f"{fit(_sensed(name, sign), _SENSED, glyphs.ellipsis)} ", "stale" if quiet else "plain"),
         (fit(sign.filter, filtered, glyphs.ellipsis), "muted"),
         *queue_bar(sign, frame.width, glyphs, "muted" if quiet else "good"),
@@ -228,7 +228,7 @@ def _history(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
 def _transcript_rows(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     """What was understood, newest on top."""
     if state.perception.hides("transcript"):
-        return [((f"what was said is {HIDDEN}", "faint"),)]
+        return [((f"what was said is {HIDDEN}", "muted"),)]
     rows: list[Row] = [
         ((f"{elapsed(segment.t):>6} ", "muted"), quoted(segment, frame.glyphs))
         for segment in state.engaged.transcripts()

@@ -114,7 +114,10 @@ def _now_or_heard(
     now = _now(shown, frame, unheard)
     if now and recent:
         now += [("  ", "plain"), quoted(heard[0], frame.glyphs)]
-    return ((" ", "plain"), *(now or _transcript_row(state, frame)))
+    told = now or _transcript_row(state, frame)
+    if [*told] == [_dash(frame)]:
+        told = [("nothing heard yet", "muted")]
+    return ((" ", "plain"), *told)
 
 
 def _dash(frame: MeterFrame) -> Piece:
@@ -138,7 +141,7 @@ def _why(state: ConsoleState, frame: MeterFrame) -> Row:
 def _transcript_row(state: ConsoleState, frame: MeterFrame) -> Row:
     """What was understood last, and when."""
     if state.perception.hides("transcript"):
-        return ((HIDDEN, "faint"),)
+        return ((HIDDEN, "muted"),)
     so_far = _so_far(state, frame)
     if so_far:
         glyphs = frame.glyphs
@@ -202,9 +205,9 @@ def _pair(
     if is_named and cell_len(told) >= cells:  # who it is comes before how sure that is
         return cut(((told, found.look),), cells + frame.track, glyphs.ellipsis)
     if not is_used(name, shown):
-        back: Row = (("not used", "faint"),)
+        back: Row = (("not used", "muted"),)
     elif sign.filter == KEPT:
-        back = ((HIDDEN, "faint"),)
+        back = ((HIDDEN, "muted"),)
     elif sign.forced:
         back = ((f"{glyphs.forced} by hand", "wait"),)
     elif found.look == "stale":
@@ -228,7 +231,7 @@ def _single(name: str, shown: m.EngagementShown, state: ConsoleState, frame: Met
     quiet = found.look == "stale" or sign.forced or not is_used(name, shown)
     bar = queue_bar(sign, frame.track, glyphs, "muted" if quiet else "good")
     if not is_used(name, shown):
-        return meter_row(WORD[name], bar, "not used", "faint", frame)
+        return meter_row(WORD[name], bar, "not used", "muted", frame)
     if sign.forced:
         told = f"{found.sign} {found.word} {glyphs.forced} hand"
         return meter_row(WORD[name], bar, told, "wait", frame)

@@ -110,7 +110,7 @@ def sign_verdict(
     """
     sign = shown.signs.get(name, m.SignShown())
     if sign.filter == KEPT:
-        return SignVerdict(glyphs.middle, HIDDEN, "faint")
+        return SignVerdict(glyphs.middle, HIDDEN, "muted")
     if sign.stale and not (old or sign.forced) and is_nobody_there(shown):
         there = not has_no_sensor(sign) or name in (each.rpartition(".")[2] for each in sensors)
         if there and name in CONDITION:

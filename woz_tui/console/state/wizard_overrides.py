@@ -190,13 +190,13 @@ def legend_rows(
 
 
 def _orders(engaged: EngagementView, width: int) -> list[Row]:
-    """The overrides' keys on as few lines as they fill; pale where one would do nothing now."""
+    """The overrides' keys on as few lines as they fill; quiet where one would do nothing now."""
     rows: list[Row] = [()]
     for order in OVERRIDES:
         now = _counts(order, engaged)
         piece: Row = (
             (f" {order.key} ", "key" if now else "muted"),
-            (f" {order.word}  ", "plain" if now else "faint"),
+            (f" {order.word}  ", "plain" if now else "muted"),
         )
         if rows[-1] and length(rows[-1]) + length(piece) > width:
             rows.append(())

@@ -57,7 +57,7 @@ def _repair(
     label: Piece = (f"{mark}{clean(action.label)}", look)
     if state.replay is not None:  # no key plays anything there
         return (label,)
-    return (key, "key") if key else ("no key", "faint"), label
+    return (key, "key") if key else ("no key", "muted"), label
 
 
 class RepairRow(Cells):
@@ -217,7 +217,7 @@ def _entry(state: ConsoleState, index: int, frame: PaintFrame) -> list[Row]:
     label = clean(state.label(name))
     rows: list[Row] = [((f" {mark} {label}", look),)]
     rows += [
-        ((" " * INDENT, "plain"), (line, "faint" if played else "muted"))
+        ((" " * INDENT, "plain"), (line, "muted"))
         for line in _wrapped(clean(state.sentence(name)), frame)
     ]
     return [cut(row, frame.width, glyphs.ellipsis) for row in rows]

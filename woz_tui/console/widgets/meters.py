@@ -417,14 +417,14 @@ def _verdicts(state: ConsoleState, robot: str, frame: MeterFrame) -> list[Row]:
         if sensor is None:
             continue
         if state.perception.hides(name):
-            pieces.append((f"{frame.glyphs.middle} {word} {HIDDEN}", "faint"))
+            pieces.append((f"{frame.glyphs.middle} {word} {HIDDEN}", "muted"))
         else:
             yes = bool(FLAGS[name](sensor.value))
             pieces.append(_verdict(yes, word, state.is_stale(sensor, frame.now), frame.glyphs))
         pieces.append(("  ", "plain"))
     who = state.sensor(f"{robot}identity")
     if who is not None and state.perception.hides("identity"):
-        pieces.append((f"who {HIDDEN}", "faint"))
+        pieces.append((f"who {HIDDEN}", "muted"))
     elif who is not None:
         name = clean(who.text) or "unknown"
         look = "stale" if state.is_stale(who, frame.now) else "plain" if who.text else "muted"

@@ -99,7 +99,7 @@ async def test_what_a_hand_plays_is_logged_with_its_control(tmp_path: Path) -> N
         refused = await place.published(lambda line: isinstance(line, m.ActionRefused))
         assert isinstance(refused, m.ActionRefused)
         assert "locked" in refused.reason
-        assert place.session.runner.by_hand, "backspace means the gamepad's press, too"
+        assert place.session.last_act.of(""), "backspace means the gamepad's press, too"
 
 
 async def test_the_stop_is_pressed_and_released_by_buttons(tmp_path: Path) -> None:

@@ -34,7 +34,11 @@ FIELDS: dict[str, tuple[str, str]] = {
     "cause": ("", "why it stood still: see the line's description"),
     "changes": ("", "what differs, one sentence each"),
     "check": ("", "the item of the preflight list, in words"),
-    "clock": ("", "where `t` comes from, and the wall clock at `t` = 0"),
+    "clock": (
+        "",
+        "where `t` comes from: the wall clock at `t` = 0, and `monotonic_us`, what CLOCK_MONOTONIC"
+        " of that computer said then",
+    ),
     "code": ("", "why, as a word: see the line's description"),
     "command": ("", "id of the command"),
     "commands": ("", "how many commands are to be sent again"),

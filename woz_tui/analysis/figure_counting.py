@@ -143,6 +143,7 @@ def figures_of(
         order=tuple(assigned.order) if assigned else (),
         order_method=assigned.method if assigned else "",
         seed=start.seed if state.start else None,
+        monotonic_us=zero if isinstance(zero := start.clock.get("monotonic_us"), int) else None,
         redacted=start.redacted,
         wholeness=LogIntegrity(ended=ended is not None),
     )
@@ -157,7 +158,7 @@ def _software(told: Mapping[str, str]) -> str:
 
 def _started(start: m.SessionStart) -> str:
     """The wall clock at 0; empty if the log does not say or dates were taken out."""
-    wall = start.clock.get("wall_at_t0", "") or start.ts
+    wall = str(start.clock.get("wall_at_t0", "")) or start.ts
     return wall if wall_time(wall) is not None else ""
 
 

@@ -389,6 +389,8 @@ class SessionFigures:
     order_method: str
     wholeness: LogIntegrity
     seed: int | None = None
+    #: CLOCK_MONOTONIC of the robot's computer at 0, in microseconds; None: not recorded.
+    monotonic_us: int | None = None
     lines: int = 0
     redacted: bool = False
     unanswered: tuple[str, ...] = ()

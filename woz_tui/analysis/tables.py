@@ -229,6 +229,11 @@ SESSIONS: TableDefinition[SessionFigures] = TableDefinition(
         _plain("integer", "schema", "version of the log's format"),
         _plain("integer", "seed", "seed of everything random"),
         _STARTED,
+        _plain(
+            *("integer", "monotonic_us"),
+            "CLOCK_MONOTONIC of the robot's computer at 0 of `onset`, in microseconds: what else"
+            " was recorded there has this clock; empty: not recorded",
+        ),
         _time("duration", "from its first to its last line of actions", "duration_us"),
         _session("string", "end", "why it ended; empty: the log has no end", "ended"),
         Column(

@@ -206,6 +206,9 @@ def _about_log(session: ExportSession) -> dict[str, Any]:
             "Experiment": start.experiment if start else "",
             "ExperimentSHA256": start.experiment_sha256 if start else "",
             "DurationSeconds": session.duration / 1_000_000,
+            "MonotonicSecondsAtZero": None
+            if session.figures.monotonic_us is None
+            else session.figures.monotonic_us / 1e6,
             "Damage": session.damage,
             "Redacted": session.redacted,
         },

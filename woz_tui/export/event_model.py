@@ -144,14 +144,14 @@ class ExportSession:
         return self.start.wizard if self.start else ""
 
     @property
-    def clock(self) -> Mapping[str, str]:
+    def clock(self) -> Mapping[str, str | int]:
         """Where the axis of time comes from."""
         return self.start.clock if self.start else {}
 
     @property
     def started(self) -> datetime | None:
         """The wall clock at 0, in UTC; None if the log does not say or dates were taken out."""
-        return wall_time(self.clock.get("wall_at_t0", ""))
+        return wall_time(str(self.clock.get("wall_at_t0", "")))
 
     @property
     def participants(self) -> list[str]:

@@ -208,7 +208,7 @@ def head_of(start: SessionStart | None) -> CodingHeader:
     """What tells sessions apart, of one whose first line is `start`."""
     if start is None:
         return CodingHeader("", "")
-    return CodingHeader(start.session, start.clock.get("wall_at_t0", "") or start.ts)
+    return CodingHeader(start.session, str(start.clock.get("wall_at_t0", "")) or start.ts)
 
 
 def tiers_of(codes: Iterable[Code]) -> list[str]:

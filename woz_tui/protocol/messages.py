@@ -160,7 +160,7 @@ class SessionStart(Message, frozen=True, kw_only=True, tag="session.start"):
     experiment: str
     experiment_sha256: str
     seed: int
-    clock: dict[str, str]
+    clock: dict[str, str | int]
     spill: list[str] = []
     robot: str = ""
     redacted: bool = False

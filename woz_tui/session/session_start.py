@@ -30,7 +30,7 @@ def publish_start(
     hub: Hub, identity: SessionIdentity, experiment: Experiment, clock: Clock, spill: list[str]
 ) -> None:
     """Publish what a log begins with; `spill`: where it goes on if its folder fails."""
-    hub.publish(session_start(identity, experiment, clock, spill))
+    hub.publish(session_start(identity, experiment, clock, spill, -hub.t(0)))
     hub.publish(experiment_files(experiment))
     _publish_key_notices(hub, experiment)
     _publish_left_out(hub, experiment)
@@ -88,9 +88,15 @@ def _publish_key_notices(hub: Hub, experiment: Experiment) -> None:
 
 
 def session_start(
-    identity: SessionIdentity, experiment: Experiment, clock: Clock, spill: list[str]
+    identity: SessionIdentity,
+    experiment: Experiment,
+    clock: Clock,
+    spill: list[str],
+    zero_us: int,
 ) -> m.SessionStart:
-    """Who, what, with which software, and how the clock and the calendar meet."""
+    """Who, what, with which software, and how the clock and the calendar meet. `zero_us`: what the
+    clock said at `t` = 0.
+    """
     return m.SessionStart(
         session=identity.session,
         participant=identity.participant,
@@ -105,6 +111,7 @@ def session_start(
             "unit": "us",
             "wall_at_t0": timestamp(clock.wall()),
             "boot_id": boot_id(),
+            "monotonic_us": zero_us,
         },
         spill=spill,
         robot=robot_name(experiment),

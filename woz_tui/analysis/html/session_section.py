@@ -131,6 +131,8 @@ def _who(figures: SessionFigures) -> Iterator[tuple[str, Child]]:
         "Begin",
         isolated(figures.started[:19].replace("T", " ") + " UTC" if figures.started else NONE),
     )
+    if figures.monotonic_us is not None:
+        yield "Clock at begin", f"{figures.monotonic_us / 1e6:.6f} s (CLOCK_MONOTONIC)"
     yield "Length", clock(figures.duration_us)
     yield "End", isolated(figures.ended or "not in the log")
     yield "Software", isolated(f"{figures.software}, log format {figures.schema}")

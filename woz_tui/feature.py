@@ -65,6 +65,7 @@ class Feature:
         history: A subclass of `timeline.feature_history.FeatureHistory`: what it keeps of a log.
         view: A `host.feature_view.FeatureView`: what consoles are told of it at first.
         export: An `export.feature_export.FeatureExport`: what becomes of its lines in exports.
+        exporters: Formats of `woz export`, made like `export.export_run.FORMATS`.
         figures: An `analysis.feature_figures.FeatureFigures`: what it counts in sessions.
         start: An option with which a session can begin.
     """
@@ -80,6 +81,7 @@ class Feature:
     history: ClassVar[str] = ""
     view: ClassVar[str] = ""
     export: ClassVar[str] = ""
+    exporters: ClassVar[str] = ""
     figures: ClassVar[str] = ""
     start: ClassVar[StartOption | None] = None
 

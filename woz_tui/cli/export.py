@@ -10,7 +10,7 @@ from woz_tui.analysis.participants import alike_sentence
 from woz_tui.analysis.spreadsheets import SPREADSHEETS
 from woz_tui.analysis.text_format import counted
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.export.export_run import FORMATS, export
+from woz_tui.export.export_run import export, formats
 from woz_tui.export.exporter import ExportOptions
 from woz_tui.export.log_sources import ExportError, find_sources
 
@@ -23,8 +23,8 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--to",
         required=True,
-        choices=list(FORMATS),
-        help="; ".join(f"{name}: {each.meaning}" for name, each in FORMATS.items()),
+        choices=list(formats()),
+        help="; ".join(f"{name}: {each.meaning}" for name, each in formats().items()),
     )
     parser.add_argument(
         "--out", required=True, type=Path, metavar="FOLDER", help="a new or empty folder"
@@ -36,7 +36,7 @@ def add(parser: ArgumentParser) -> None:
         help="replace all spoken, typed and written text, and remove dates and sound",
     )
     parser.add_argument(
-        "--samples", action="store_true", help="include the values of the sensors (csv, bids)"
+        "--samples", action="store_true", help="include the values of the sensors (csv, bids, mcap)"
     )
     parser.add_argument(
         "--no-sound",
@@ -71,9 +71,9 @@ def run(arguments: Namespace) -> int:
 
 
 def _run(arguments: Namespace) -> int:
-    if arguments.samples and not FORMATS[arguments.to].takes_samples:
+    if arguments.samples and not formats()[arguments.to].takes_samples:
         raise ExportError(
-            f"--to {arguments.to} cannot include --samples", "use --to csv or bids for them"
+            f"--to {arguments.to} cannot include --samples", "use --to csv, bids or mcap for them"
         )
     if arguments.spreadsheet and arguments.to != "csv":
         raise ExportError("--spreadsheet needs --to csv", "leave it out")

@@ -21,8 +21,9 @@ from woz_tui.export.log_sources import (
 )
 from woz_tui.export.output_folder import new_folder
 from woz_tui.export.textgrid import TextGridExporter
+from woz_tui.feature import pieces
 
-#: Name after `--to` -> what writes it.
+#: Name after `--to` -> what writes it; features have more.
 FORMATS: Mapping[str, type[Exporter]] = {
     "csv": CsvExporter,
     "eaf": EafExporter,
@@ -30,6 +31,14 @@ FORMATS: Mapping[str, type[Exporter]] = {
     "textgrid": TextGridExporter,
     "jsonl": JsonlExporter,
 }
+
+
+def formats() -> dict[str, type[Exporter]]:
+    """All formats by name, those of features too."""
+    known = dict(FORMATS)
+    for each in pieces("exporters", dict).values():
+        known |= each
+    return known
 
 
 def export(
@@ -49,7 +58,7 @@ def export(
     summaries: list[SessionSummary] = []
     with (
         new_folder(out, force=force) as folder,
-        closing(FORMATS[to](folder, options)) as exporter,
+        closing(formats()[to](folder, options)) as exporter,
     ):
         for source in sources:
             session = read_session(source, redact=options.redact)

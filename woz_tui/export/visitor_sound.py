@@ -21,7 +21,7 @@ def write_sound(session: ExportSession, folder: OutputFolder, name: str) -> tupl
     Returns the file's length in microseconds (0: there was nothing to write) and what had to be
     left out, in sentences. The file has the format of the first clip; others are left out.
     """
-    clips, problems = _readable(session)
+    clips, problems = readable_clips(session)
     if not clips:
         return 0, problems
     shape = clips[0][1]
@@ -42,7 +42,10 @@ def write_sound(session: ExportSession, folder: OutputFolder, name: str) -> tupl
 _Clips = list[tuple[SoundClip, "wave._wave_params"]]
 
 
-def _readable(session: ExportSession) -> tuple[_Clips, list[str]]:
+def readable_clips(session: ExportSession) -> tuple[_Clips, list[str]]:
+    """The session's clips that can be read, in their order, each with its shape; and what is left
+    out of them, in sentences.
+    """
     clips: _Clips = []
     problems = []
     if session.clips_missing:

@@ -4,4 +4,4 @@
 it. One that is taken out of the list is not there: a file that uses it is told so.
 """
 
-FEATURES: tuple[str, ...] = ("woz_tui.features.profiles:Profiles",)
+FEATURES: tuple[str, ...] = ("woz_tui.features.profiles:Profiles", "woz_tui.features.mcap:Mcap")

@@ -372,3 +372,12 @@ def test_a_log_that_went_on_in_a_second_folder_is_rendered_whole(
     assert main(["render", str(calm), "idle", "--inputs", str(first)]) == 0
     last = json.loads(capsys.readouterr().out.splitlines()[-1])
     assert last["joints"]["pitch"] == pytest.approx(20)
+
+
+def test_what_was_wanted_is_dotted_where_something_else_came_out() -> None:
+    sent, wanted = [0.0, 10.0, 20.0, 30.0] * 3, [0.0, 40.0, 80.0, 30.0] * 3
+    plain = chart(Curve("pan", sent, -90, 90), 40, 6)
+    dotted = chart(Curve("pan", sent, -90, 90, wanted=wanted), 40, 6)
+    assert plain == chart(Curve("pan", sent, -90, 90, wanted=sent), 40, 6)
+    assert plain != dotted
+    assert len(plain[1].strip()) < len(dotted[1].strip())

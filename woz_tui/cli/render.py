@@ -28,6 +28,8 @@ from woz_tui.motion.rendering import Input, Rendering
 
 #: Rows of cells for each joint's curve.
 CURVE_ROWS = 6
+#: What a joint may lack without being drawn as lacking it, in degrees.
+SEEN = 1.0
 #: Columns where there is no terminal.
 PAGE = 100
 
@@ -134,18 +136,26 @@ _COLOURS = ("cyan", "yellow", "magenta", "green", "blue", "red")
 
 def _plot(ticks: Iterator[Tick], limits: Mapping[str, tuple[float, float]], name: str) -> None:
     values: dict[str, list[float]] = {joint: [] for joint in limits}
+    wanted: dict[str, list[float]] = {joint: [] for joint in limits}
     length = 0.0
     for tick in ticks:
         length = tick.t
         for joint, angle in tick.joints.items():
             values[joint].append(angle)
+            wanted[joint].append(tick.wanted.get(joint, angle))
     width = shutil.get_terminal_size((PAGE, 24)).columns
     console = TextConsole(width=width)
     print(f"{name}: {length:.2f} s")
-    for (joint, (low, high)), colour in zip(limits.items(), itertools.cycle(_COLOURS)):
-        for text in chart(Curve(joint, values[joint], low, high), width, CURVE_ROWS):
+    curves = [
+        Curve(joint, values[joint], low, high, wanted=wanted[joint])
+        for joint, (low, high) in limits.items()
+    ]
+    for curve, colour in zip(curves, itertools.cycle(_COLOURS)):
+        for text in chart(curve, width, CURVE_ROWS):
             console.print(text, style=colour, no_wrap=True, crop=False, overflow="ignore")
     print(*time_axis(length, width), sep="\n")
+    if any(curve.lags for curve in curves):
+        print("dotted: what was wanted, where the joint was too slow for it or its range ends")
 
 
 #: Cells left of a curve.
@@ -154,26 +164,39 @@ _AXIS = 7
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """Values over evenly spaced times, drawn between `low` and `high`."""
+    """Values over evenly spaced times, drawn between `low` and `high`; `wanted` are as many, drawn
+    dotted where they are not what came out.
+    """
 
     name: str
     values: Sequence[float]
     low: float
     high: float
     unit: str = "°"
+    wanted: Sequence[float] = ()
+
+    @property
+    def lags(self) -> bool:
+        """Whether something else came out than was wanted."""
+        pairs = zip(self.values, self.wanted, strict=False)
+        return any(abs(value - wanted) > SEEN for value, wanted in pairs)
 
 
 def chart(curve: Curve, width: int, height: int) -> list[str]:
     """Lines of text, `width` cells wide, with the limits and the name beside the curve."""
     cells = max(8, width - _AXIS - 1)
-    canvas = DotCanvas(cells, height, {"curve": DotLayer("plain", "*")})
-    values, span = curve.values, curve.high - curve.low
-    if span > 0 and values:
+    layers = {"wanted": DotLayer("plain", "."), "curve": DotLayer("plain", "*")}
+    canvas = DotCanvas(cells, height, layers)
+    span = curve.high - curve.low
+    drawn = {"wanted": curve.wanted if curve.lags else (), "curve": curve.values}
+    for layer, values in drawn.items():
+        if span <= 0 or not values:
+            continue
         places = (round(dot * (len(values) - 1) / (cells * 2 - 1)) for dot in range(cells * 2))
         shares = (min(1.0, max(0.0, (curve.high - values[place]) / span)) for place in places)
         dots = [(dot, round(share * (height * 4 - 1))) for dot, share in enumerate(shares)]
         for before, dot in itertools.pairwise(dots[:1] + dots):
-            canvas.line(before, dot, "curve")
+            canvas.line(before, dot, layer, every=3 if layer == "wanted" else 1)
     labels = [""] * height
     labels[-1] = f"{curve.low:g}{curve.unit}"
     labels[0] = f"{curve.high:g}{curve.unit}"

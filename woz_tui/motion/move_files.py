@@ -47,6 +47,7 @@ from woz_tui.motion.keyframes import (
     LayerSamples,
     MoveLayer,
 )
+from woz_tui.motion.move_limits import shortfalls
 
 #: Degrees that a frame may name at most, and seconds or beats it may take.
 ANGLES = Range(-360, 360, "deg")
@@ -413,7 +414,24 @@ def decode(root: Cursor, path: Path, shape: BodyShape) -> KeyframeMove | None:
         return None
     if move.length > LONGEST and not move.beats:
         timed.warning(f"takes {move.length:g} s; play waits for {LONGEST:g} s at most")
+    else:
+        _warn_of_shortfalls(table, move, shape)
     return move
+
+
+def _warn_of_shortfalls(table: Mapping[str, Cursor], move: KeyframeMove, shape: BodyShape) -> None:
+    """At each frame that the body's joints do not reach in time."""
+    frames = {MAIN: table.get("frames")}
+    if (layers := table.get("layers")) is not None:
+        entries = [dict(each.entries()) for each in layers.items()]
+        frames |= {
+            layer.name: entry.get("frames")
+            for layer, entry in zip(move.layers[-len(entries) :], entries, strict=True)
+        }
+    for each in shortfalls(move, shape):
+        listed = frames.get(each.layer)
+        if listed is not None:
+            [*listed.items()][each.frame - 1].warning(str(each))
 
 
 def _move_name(cursor: Cursor | None, root: Cursor, path: Path) -> str:

@@ -129,27 +129,6 @@ def test_another_participant_has_a_part_of_their_own() -> None:
     ]
 
 
-def test_what_was_held_back_counts_apart() -> None:
-    session = ExampleSession().add(
-        1, m.ActionHeld(run="a1", action="Hello", sort="speech", cued=0, until=1_400_000)
-    )
-    assert list(session_figures(session.end(5)).whole.held.values) == [400_000]
-
-
-def test_a_press_contains_the_time_for_which_it_was_held_back() -> None:
-    session = ExampleSession().act(1, latency_ms=2)
-    action_held = m.ActionHeld(run="a", action="Hello", sort="speech", cued=0, until=4 * SECOND)
-    say = m.Command(command="c", run="a", verb="say", args={}, driver="robot", source="key")
-    session.add(3, m.ActionRequested(run="a", action="Hello", source="key"), action_held).add(
-        4, say
-    )
-    session.add(4.25, m.Dispatched(command="c", driver="robot", latency_us=250_000))
-    whole = session_figures(session.end(9)).whole
-    assert list(whole.press.values) == [2000, 1_250_000]
-    assert list(whole.held.values) == [SECOND]
-    assert list(whole.verbs["say"].dispatched.values) == [2000, 250_000]
-
-
 def test_a_log_without_its_first_line_has_figures() -> None:
     session = ExampleSession().act(1).end(3)
     figures = figures_of(in_time(session)[1:])

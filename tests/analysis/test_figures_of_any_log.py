@@ -20,6 +20,7 @@ from woz_tui.analysis.event_rows import CUE_RESULTS
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.html.report_page import render
+from woz_tui.analysis.measures import TIMES_OF_FEATURES
 from woz_tui.analysis.methods_section import paragraphs
 from woz_tui.analysis.session_reading import (
     NoSessionError,
@@ -116,8 +117,11 @@ def test_the_parts_add_up_to_the_whole(course: list[tuple[m.Message, int]]) -> N
     assert whole.us == sum(part.us for part in parts) == figures.duration_us
     for name in ("actions", "by_hand", "direct", "mistakes", "markers", "stops"):
         assert getattr(whole, name) == sum(getattr(part, name) for part in parts)
-    for name in ("press", "took", "gaps", "speech", "held"):
+    for name in ("press", "took", "gaps", "speech"):
         assert getattr(whole, name).n == sum(getattr(part, name).n for part in parts)
+    for name in TIMES_OF_FEATURES:
+        found = [part.times[name].n for part in (whole, *parts) if name in part.times]
+        assert sum(found[1:]) == sum(found[:1])
     engagement = whole.engagement
     assert engagement.on_us == sum(part.engagement.on_us for part in parts)
     assert engagement.on_us == sum(state.us for state in engagement.states.values())

@@ -58,7 +58,7 @@ def test_every_total_of_a_part_is_a_figure() -> None:
         "reactions": "reaction_median_s",
         "engagement": "engaged_share",
         "speech": "utterances",
-        "held": "actions_held",
+        "times": "actions_held",
         "settings_us": "settings_known_s",
         "differing_us": "settings_differ_s",
         "verbs": "dispatch_median_ms",

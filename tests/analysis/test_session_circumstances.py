@@ -8,7 +8,6 @@ from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, 
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.participant_groups import GroupedSessions
-from woz_tui.analysis.report_tables import circumstances
 from woz_tui.features.profiles.kinds import ProfileChanged
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -275,8 +274,6 @@ def test_what_the_wizard_had_and_could_see() -> None:
         .add(0, plan)
         .add(1, m.PerceptionChanged(hidden=["gaze"], blurred=["transcript"]))
     )
-    session.add(2, m.ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]))
-    session.add(2.5, m.ShapingChanged(floor_us=0, jitter_us=0, cues=[]))
     session.add(3, ProfileChanged(profile="child")).add(4, ProfileChanged())
     session.add(5, m.ConditionsAssigned(participant="P07", order=["a", "b"], method="latin-square"))
     session.add(6, m.ExperimentReloaded(experiment_sha256="x", changes=[]))
@@ -289,10 +286,6 @@ def test_what_the_wizard_had_and_could_see() -> None:
     assert [(each.hidden, each.blurred) for each in figures.restrictions] == [
         (("gaze",), ("transcript",))
     ]
-    assert (figures.shaping[0].floor_us, figures.shaping[0].cues) == (800_000, ("speech",))
-    delays = [each for each in circumstances(figures) if "answer" in each]
-    assert ["no sooner than 0.8 s" in each for each in delays] == [True, False]
-    assert "at once" in delays[1]
     assert figures.features["profiles"] == ("child",)
     assert (figures.order, figures.reloads) == (("a", "b"), 1)
     assert figures.rerun_of == "other"

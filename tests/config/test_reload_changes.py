@@ -43,7 +43,6 @@ class Edit:
         Edit("script:", "session: {deadline: 3}\nscript:", ["session changed"]),
         Edit("script:", "participants: {pattern: x}\nscript:", ["participant pattern changed"]),
         Edit("script:", "design: {order: fixed}\nscript:", ["design is new"]),
-        Edit("script:", "shaping: {floor: 1, cues: [marker]}\nscript:", ["shaping is new"]),
         Edit(
             "script:",
             "perception: {hide: [face]}\nscript:",
@@ -177,7 +176,6 @@ def test_edits_of_the_study_can_be_taken_over(tmp_path: Path) -> None:
     for before, after in (
         ("trials: 2", "trials: 3"),
         ("cold: Orange", "cold: Apple"),
-        ("floor: 800 ms", "floor: 1 s"),
         ("hide: [distance, face]", "hide: [face]"),
         ("items: [Well]", "items: [Good]"),
         ("cold: Hello.", "cold: Hi."),
@@ -191,6 +189,5 @@ def test_edits_of_the_study_can_be_taken_over(tmp_path: Path) -> None:
         "questionnaire 'again' changed",
         "design: trials 3, it was 2",
         "design: blind warm Lemon, cold Apple, none No, it was warm Lemon, cold Orange, none No",
-        "shaping: floor 1, it was 0.8",
         "perception: hide face, it was distance, face",
     ]

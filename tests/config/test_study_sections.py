@@ -7,13 +7,12 @@ from pathlib import Path
 import pytest
 
 from tests.config.catalogue import CATALOGUE
-from tests.config.reading import HEAD, HELLO, SEEING, errors, panel, read_experiment
+from tests.config.reading import HEAD, HELLO, errors, panel, read_experiment
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.config.study import (
     Design,
     PerceptionLimits,
-    ResponseShaping,
     Study,
     Training,
     TrainingCue,
@@ -72,9 +71,8 @@ def test_questionnaires_and_their_items(whole: Experiment) -> None:
     assert (short.name, short.title, short.when) == ("short", "short", "end")
 
 
-def test_preflight_shaping_and_perception(whole: Experiment) -> None:
+def test_preflight_and_perception(whole: Experiment) -> None:
     assert whole.study.preflight == ("The camera sees the whole table", "No")
-    assert whole.study.shaping == ResponseShaping(0.8, 0.4, ("marker",))
     assert whole.study.perception == PerceptionLimits(("distance", "face"), ("transcript",))
 
 
@@ -157,11 +155,6 @@ def test_a_name_made_of_a_question(text: str, code: str) -> None:
 @pytest.mark.parametrize(
     ("section", "said"),
     [
-        ("shaping: {cues: [marker]}", "shaping: delays nothing; add a floor, such as"),
-        (
-            "shaping: {floor: 1, cues: [engagement]}",
-            "shaping.cues: the cue engagement never occurs",
-        ),
         ("perception: {hide: [distance], blur: [distance]}", "perception.blur[0]: is hidden"),
         ("training: {cues: [{cue: leave, answers: Locked}]}", "training.cues[0].answers: 'Locked'"),
         (
@@ -173,12 +166,6 @@ def test_a_name_made_of_a_question(text: str, code: str) -> None:
 def test_what_is_odd_is_said(tmp_path: Path, section: str, said: str) -> None:
     (warning,) = warnings(tmp_path, section)
     assert warning.startswith(said)
-
-
-def test_speech_as_a_cue_wants_somebody_who_hears(tmp_path: Path) -> None:
-    deaf = warnings(tmp_path, "shaping: {floor: 1}", head=SEEING % "presence")
-    assert deaf == ["shaping: the cue speech never occurs: no driver detects the end of speech"]
-    assert warnings(tmp_path, "shaping: {floor: 1}", head=SEEING % "speech") == []
 
 
 def test_what_answers_a_cue_is_verbs_and_panels(tmp_path: Path) -> None:

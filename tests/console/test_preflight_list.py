@@ -1,4 +1,4 @@
-"""The preflight's list for humans, held actions, and what the wizard is told of cues."""
+"""The preflight's list for humans, and what the wizard is told of cues."""
 
 from __future__ import annotations
 
@@ -84,57 +84,6 @@ async def test_signs_of_a_plain_terminal() -> None:
         await open_dialog(pilot, "PreflightDialog")
         assert f"+ {study_scene.CHECKS[0]}" in pilot.drawn()
         assert f"o {study_scene.CHECKS[1]}" in pilot.drawn()
-
-
-# -- held actions ---------------------------------------------------------------------------------
-
-
-def held_action(seconds: float = 1.2) -> list[m.Message]:
-    """Hello was pressed, and waits until it may answer."""
-    return [
-        m.ActionRequested(run="a20", action="Hello", source="key", t=NOW),
-        m.ActionHeld(
-            run="a20",
-            action="Hello",
-            sort="speech",
-            cued=NOW - 300_000,
-            until=NOW + round(seconds * SECOND),
-            t=NOW,
-        ),
-    ]
-
-
-async def test_a_held_action_shows_that_it_waits_and_how_long() -> None:
-    async with piloted_console(study_scene.welcome(), size=(160, 50)) as pilot:
-        await pilot.tell(*held_action())
-        row = next(row for row in pilot.text("ActionPanels").splitlines() if "Hello" in row)
-        assert "waits 1.2" in row
-        assert "waits 1.2 s" in pilot.text("EventList")
-        await pilot.pass_time(0.5)
-        row = next(row for row in pilot.text("ActionPanels").splitlines() if "Hello" in row)
-        assert "waits 0.7" in row
-        await pilot.tell(
-            m.Command(
-                command="c20",
-                run="a20",
-                action="Hello",
-                verb="say",
-                args={},
-                source="key",
-                t=NOW + 2 * SECOND,
-            )
-        )
-        await pilot.tell(
-            m.Dispatched(command="c20", driver="voice", latency_us=1, t=NOW + 2 * SECOND)
-        )
-        row = next(row for row in pilot.text("ActionPanels").splitlines() if "Hello" in row)
-        assert "waits" not in row
-
-
-async def test_a_hold_of_a_run_that_is_unknown_shows_nothing() -> None:
-    async with piloted_console(study_scene.welcome()) as pilot:
-        await pilot.tell(held_action()[1])
-        assert "waits" not in pilot.text("ActionPanels")
 
 
 # -- cues of a training ---------------------------------------------------------------------------

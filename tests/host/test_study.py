@@ -191,7 +191,6 @@ def test_a_newcomer_is_told_how_the_study_stands(tmp_path: Path) -> None:
             "whenever",
         ]
         assert study["perception"] == {"hide": ["distance"], "blur": ["transcript"]}
-        assert study["shaping"] == {"floor": 0.8, "jitter": 0.4, "cues": ["speech"]}
         assert (study["assigned"], study["planned"], study["trial"]) == ([], 0, 1)
         await peer.ask("proposal", participant="P01")
         await peer.ask("assign", participant="P01", order=["warm", "cold"])
@@ -207,7 +206,7 @@ def test_a_newcomer_is_told_how_the_study_stands(tmp_path: Path) -> None:
         kinds = [line["kind"] for line in welcome["state"]]
         for kind in (
             *("condition.assigned", "trial.started", "break.started"),
-            *("preflight.checked", "perception.changed", "shaping.changed"),
+            *("preflight.checked", "perception.changed"),
         ):
             assert kind in kinds
         values = welcome["settings"]["values"]

@@ -117,8 +117,8 @@ def test_nobody_is_asked_anything_in_a_training() -> None:
     left = without_participant(whole)
     assert left.study.questionnaires == ()
     assert left.study.preflight == ()
-    kept = ("design", "perception", "shaping", "training")
+    kept = ("design", "perception", "training")
     assert all(getattr(left.study, name) == getattr(whole.study, name) for name in kept)
-    assert left.panels == whole.panels
+    assert (left.panels, left.sections) == (whole.panels, whole.sections)
     talk = replace(whole, phases=(Phase("talk", panels=("Speech",), lock_others=True),))
     assert without_participant(talk).phases == ()

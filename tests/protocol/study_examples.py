@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from woz_tui.features.delay.kinds import ActionHeld, ShapingChanged
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import WelcomeSettings
@@ -39,14 +40,14 @@ BEGINNING: tuple[m.Message, ...] = (
         trials=2,
         over=[1],
     ),
-    m.ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]),
+    ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]),
     m.PerceptionChanged(hidden=["distance"], blurred=["transcript"]),
 )
 
 #: The course of a trial, a training, a re-run.
 COURSE: tuple[m.Message, ...] = (
     m.TrialStarted(trial=1, condition="warm", planned=4),
-    m.ActionHeld(run="a00007", action="Hello", sort="speech", cued=9_000_000, until=9_950_000),
+    ActionHeld(run="a00007", action="Hello", sort="speech", cued=9_000_000, until=9_950_000),
     m.CueGiven(
         cue="q0001",
         sort="question",

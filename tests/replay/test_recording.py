@@ -19,6 +19,7 @@ from tests.replay.logs import (
     stamped,
     story,
 )
+from woz_tui.features.delay.kinds import ActionHeld
 from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -90,7 +91,7 @@ def courses(draw: st.DrawFn) -> list[m.Message]:
         timed.append(pressed)
         if held is not None:
             until = round((at + held) * SECOND)
-            holds = m.ActionHeld(run=f"a{number}", action=name, sort="speech", cued=0, until=until)
+            holds = ActionHeld(run=f"a{number}", action=name, sort="speech", cued=0, until=until)
             timed.append((at, holds))
         timed += [(when + (held or 0.0), message) for when, message in rest]
     return stamped(sorted(timed, key=lambda pair: pair[0]))

@@ -10,12 +10,7 @@ import msgspec
 
 from tests.session.rig import SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Experiment
-from woz_tui.config.study import (
-    Design,
-    PerceptionLimits,
-    ResponseShaping,
-    Study,
-)
+from woz_tui.config.study import Design, PerceptionLimits, Study
 from woz_tui.log.disk import LogDisk
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -42,7 +37,6 @@ STUDY = Study(
         ),
     ),
     preflight=("the door is shut", "the camera sees the table"),
-    shaping=ResponseShaping(0.8, 0.4, ("speech",)),
     perception=PerceptionLimits(("distance",), ("transcript",)),
 )
 GREETING = {"warm": "Hello {participant}!", "cold": "Hello."}

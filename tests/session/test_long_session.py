@@ -13,10 +13,11 @@ import pytest
 
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import SessionRig
-from tests.session.study_rig import STUDY, study_experiment
+from tests.session.study_rig import study_experiment
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.session_reading import read_report
-from woz_tui.config.study import ResponseShaping
+from woz_tui.features.delay.kinds import ActionHeld
+from woz_tui.features.delay.section import SHAPING, ResponseShaping
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
@@ -103,10 +104,9 @@ async def _whole(tmp_path: Path, seed: int) -> SessionRig:
     loop = asyncio.get_running_loop()
     failed: list[object] = []
     loop.set_exception_handler(lambda loop, told: failed.append(told))
-    shaped = replace(STUDY, shaping=ResponseShaping(0.8, 2.0, ("speech",)))
-    rig = SessionRig(
-        tmp_path, identity=SessionIdentity(seed=seed), made=study_experiment(tmp_path, shaped)
-    )
+    shaping = ResponseShaping(0.8, 2.0, ("speech",))
+    made = replace(study_experiment(tmp_path), sections={SHAPING: shaping})
+    rig = SessionRig(tmp_path, identity=SessionIdentity(seed=seed), made=made)
     async with rig:
         rig.session.bus.unwatched = ""
         wizard = RandomWizard(rig, seed)
@@ -124,7 +124,7 @@ async def _whole(tmp_path: Path, seed: int) -> SessionRig:
 def test_whatever_the_wizard_does_everything_has_its_end(tmp_path: Path, seed: int) -> None:
     rig = run_virtual(_whole(tmp_path, seed))
     lines = rig.lines
-    held = [line for line in lines if isinstance(line, m.ActionHeld)]
+    held = [line for line in lines if isinstance(line, ActionHeld)]
     assert len(held) > 20
     last = {name: line.seq for line in lines if _goes_on(line) for name in _ids(line)}
     assert [line.run for line in held if last.get(line.run, -1) < line.seq] == []

@@ -13,6 +13,7 @@ from tests.session.rig import HERE, SessionRig
 from tests.session.test_action_texts import HM, KEY, make_experiment
 from woz_tui.config.experiment import Action
 from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL, REPEAT, REWORD
+from woz_tui.features.delay.kinds import ShapingChanged
 from woz_tui.features.profiles.in_session import ProfileInUse
 from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.protocol import messages as m
@@ -186,7 +187,7 @@ def test_a_repetition_does_not_cross_a_change_of_condition(tmp_path: Path) -> No
 def test_an_interruption_ends_what_is_held_back(tmp_path: Path, at_us: int) -> None:
     async def play(rig: SessionRig) -> None:
         hub = rig.session.hub
-        hub.publish(m.ShapingChanged(floor_us=2_000_000, jitter_us=0, cues=["marker"]))
+        hub.publish(ShapingChanged(floor_us=2_000_000, jitter_us=0, cues=["marker"]))
         hub.publish(m.Marker(text="x"))
         at = hub.now() + at_us if at_us else 0
         rig.session.send("say", {"text": "typed"}, "", KEY, at=at)

@@ -419,38 +419,27 @@ def test_what_is_under_way_ends_before_the_session_does(tmp_path: Path) -> None:
     assert isinstance(rig.lines[-1], m.SessionEnd)
 
 
-def test_what_shapes_the_answers_is_said_at_the_beginning_and_when_it_changes(
+def test_what_is_kept_from_the_wizard_is_said_at_the_beginning_and_when_it_changes(
     tmp_path: Path,
 ) -> None:
     async def scenario(rig: SessionRig) -> None:
         same = study_experiment(tmp_path)
         rig.session.adopt(same, [])
-        rig.session.adopt(
-            replace(same, study=replace(STUDY, shaping=None, perception=PerceptionLimits())), []
-        )
+        rig.session.adopt(replace(same, study=replace(STUDY, perception=PerceptionLimits())), [])
 
-    rig = on_stage(tmp_path, scenario)
-    told = [line for line in rig.lines if isinstance(line, m.ShapingChanged | m.PerceptionChanged)]
-    assert [(type(line).__name__, *_fields(line)) for line in told] == [
-        ("PerceptionChanged", ["distance"], ["transcript"]),
-        ("ShapingChanged", 800_000, 400_000, ["speech"]),
-        ("PerceptionChanged", [], []),
-        ("ShapingChanged", 0, 0, []),
+    told = on_stage(tmp_path, scenario).of(m.PerceptionChanged)
+    assert [(line.hidden, line.blurred) for line in told] == [
+        (["distance"], ["transcript"]),
+        ([], []),
     ]
 
 
-def _fields(line: m.ShapingChanged | m.PerceptionChanged) -> tuple[object, ...]:
-    if isinstance(line, m.ShapingChanged):
-        return line.floor_us, line.jitter_us, line.cues
-    return line.hidden, line.blurred
-
-
-def test_without_these_sections_nothing_is_said(tmp_path: Path) -> None:
+def test_without_this_section_nothing_is_said(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         await asyncio.sleep(1)
 
     rig = on_stage(tmp_path, scenario, Study())
-    assert not short_messages(rig, m.ShapingChanged, m.PerceptionChanged)
+    assert not short_messages(rig, m.PerceptionChanged)
 
 
 def test_a_variable_that_depends_on_the_condition_waits_for_one(tmp_path: Path) -> None:

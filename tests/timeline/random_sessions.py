@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from tests.protocol.examples import messages as examples
 from woz_tui.config.engagement_words import STATES
+from woz_tui.features.delay.kinds import ActionHeld, ShapingChanged
 from woz_tui.features.profiles.kinds import ProfileChanged
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
@@ -121,7 +122,7 @@ class Recording:
             self._say(m.ActionRefused(run=run, action="Hello", reason="stopped"))
             return
         if self._chance.random() < 0.2:
-            action_held = m.ActionHeld(
+            action_held = ActionHeld(
                 run=run, action="Hello", sort="speech", cued=self._t, until=self._t + SECOND
             )
             self._say(action_held)
@@ -268,7 +269,7 @@ class Recording:
         hidden = self._chance.choice([[], ["distance"]])
         choices: list[m.Message] = [
             m.PerceptionChanged(hidden=hidden, blurred=[]),
-            m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["speech"]),
+            ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["speech"]),
             ProfileChanged(profile=self._chance.choice(["child", "adult", ""])),
             m.PanelLocked(panel="Drive", locked=self._chance.random() < 0.5),
             m.ScriptMoved(

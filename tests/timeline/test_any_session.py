@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from tests.timeline.random_sessions import damaged, recordings, stamped, start
+from woz_tui.features.delay.history import DelayHistory
 from woz_tui.features.profiles.history import ProfileHistory
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import messages as m
@@ -55,7 +56,7 @@ def known_state(state: SessionState) -> dict[str, Any]:
         "model": (model.present, model.on, model.state, model.since, model.visitor, model.shown),
         "engaged": model.engaged and (model.engaged.begin, model.engaged.visitor),
         "off": model.off is not None,
-        "actions": {run: (each.begin, each.held) for run, each in state.actions.items()},
+        "actions": {run: (each.begin, state.put_off(run)) for run, each in state.actions.items()},
         "commands": {
             key: (each.begin, each.request, each.dispatched, each.progress)
             for key, each in state.commands.items()
@@ -77,7 +78,8 @@ def known_state(state: SessionState) -> dict[str, Any]:
         "shown": (state.readings, state.sensors, state.modes, state.faces, state.bodies),
         "controls": {name: each.values for name, each in state.controls.items()},
         "speaking": {key: each.begin for key, each in state.speaking.items()},
-        "wizard": (state.locks, state.shaping, state.perception),
+        "wizard": (state.locks, state.perception),
+        "delay": state.history(DelayHistory).changed,
         "profile": state.history(ProfileHistory).changed,
         "rest": (state.consoles, state.recorder, state.start, state.end, state.scripts),
         "cue": (state.cue and state.cue.given, state.rerun and state.rerun.started),

@@ -292,16 +292,6 @@ class RestrictionRow:
 
 
 @dataclass(frozen=True, slots=True)
-class ShapingRow:
-    """From `t` on answers to these cues were held back: `floor_us`, and up to `jitter_us` more."""
-
-    t: int
-    floor_us: int
-    jitter_us: int
-    cues: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class PanelRow:
     """A panel that the wizard had, as it was at the beginning."""
 
@@ -664,12 +654,6 @@ def restrictions(timeline: Timeline) -> Iterator[RestrictionRow]:
             lines.append(each.lifted)
     for line in sorted(lines, key=attrgetter("t", "seq")):
         yield RestrictionRow(line.t, tuple(line.hidden), tuple(line.blurred))
-
-
-def shapings(timeline: Timeline) -> Iterator[ShapingRow]:
-    """Each change of how answers were delayed."""
-    for _, line in moments(timeline, m.ShapingChanged):
-        yield ShapingRow(line.t, line.floor_us, line.jitter_us, tuple(line.cues))
 
 
 def consoles(timeline: Timeline) -> Iterator[ConsoleRow]:

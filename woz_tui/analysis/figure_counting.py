@@ -137,7 +137,6 @@ def figures_of(
         settings=tuple(event_rows.settings(timeline, counted)),
         drivers=tuple(event_rows.drivers(timeline)),
         restrictions=tuple(event_rows.restrictions(timeline)),
-        shaping=tuple(event_rows.shapings(timeline)),
         reloads=sum(1 for _ in event_rows.moments(timeline, m.ExperimentReloaded)),
         rerun_of=rerun_of,
         order=tuple(assigned.order) if assigned else (),
@@ -212,6 +211,9 @@ class _Counting:
         for stop in self._timeline.of(e.StopEpisode):
             # A lost console stops the drive: nobody pressed that.
             self.at(stop.context).stops += stop.label == "all"
+        for feature in pieces("figures", FeatureFigures).values():
+            for context, name, us in feature.times(self._timeline):
+                self.at(context).times[name].add(us)
 
     def _acts(self, acts: Sequence[WizardAct]) -> None:
         parts = event_rows.parts_played(self._timeline)
@@ -245,8 +247,6 @@ class _Counting:
             tally.counts[request.action, request.panel, request.source, outcome] += 1
             if outcome == e.EpisodeOutcome.DONE:
                 tally.took.add(action.duration)
-            if action.held is not None:
-                tally.held.add(action.held_us)
 
     def _commands(self) -> None:
         for command in self._timeline.of(e.CommandEpisode):
@@ -270,8 +270,6 @@ class _Counting:
                     self.at(moment.context).notes += 1
                 case m.StopPressed(scope="all"):
                     self.at(moment.context).stops += 1
-                case m.ActionHeld(until=until):
-                    self.at(moment.context).held.add(until - moment.begin)
                 case m.EngagementChanged() as change:
                     self._transition(moment.context, change)
 

@@ -64,7 +64,7 @@ class PartSums:
     stops: int = 0
     utterances: int = 0
     speech: Durations = field(default_factory=Durations)
-    held: Durations = field(default_factory=Durations)
+    times: defaultdict[str, Durations] = field(default_factory=_by_name)
     on_us: int = 0
     off_us: int = 0
     engaged_us: int = 0

@@ -23,7 +23,6 @@ from woz_tui.analysis.event_rows import (
     RestrictionRow,
     RoundRow,
     SettingRow,
-    ShapingRow,
     SpanRow,
     StopRow,
     TrialRow,
@@ -179,7 +178,7 @@ class PartFigures:
         gaps: Between two wizard actions, one after the other.
         reactions: By type of cue; `all` leaves echoes out.
         mistakes: Acts that the wizard called a mistake.
-        held: How long actions were held back by shaping.
+        times: Durations that features tell, by name.
         settings_us: How long settings of a robot were known, and `differing_us` of that how long
             at least one was other than asked for.
         utterances: Of the visitor, which began in it; `speech` has the lengths of their pieces.
@@ -207,7 +206,7 @@ class PartFigures:
     stops: int
     utterances: int
     speech: Durations
-    held: Durations
+    times: Mapping[str, Durations]
     settings_us: int = 0
     differing_us: int = 0
     counted: bool = True
@@ -382,7 +381,6 @@ class SessionFigures:
     settings: tuple[SettingRow, ...]
     drivers: tuple[str, ...]
     restrictions: tuple[RestrictionRow, ...]
-    shaping: tuple[ShapingRow, ...]
     reloads: int
     rerun_of: str
     order: tuple[str, ...]

@@ -6,15 +6,18 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 from woz_tui.analysis.durations import Durations
-from woz_tui.analysis.figures import PartFigures
-from woz_tui.analysis.measures import measured
+from woz_tui.analysis.feature_figures import FeatureFigures
+from woz_tui.analysis.figures import PartFigures, SessionFigures
+from woz_tui.analysis.measures import TIMES_OF_FEATURES, measured
 from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.feature import pieces
 
 
 def plain(value: Any) -> Any:
     """Figures as values for JSON: rows as objects, durations as their spread (microseconds).
 
-    Parts have the main figures of docs/reference/report.md besides, under `main`.
+    Parts have the main figures of docs/reference/report.md besides, under `main`. What features
+    count stands beside all else, by their keys.
     """
     match value:
         case Durations():
@@ -26,7 +29,15 @@ def plain(value: Any) -> Any:
             return [plain(item) for item in value]
     if is_dataclass(value):
         found = {field.name: plain(getattr(value, field.name)) for field in fields(value)}
-        return found | {"main": measured(value)} if isinstance(value, PartFigures) else found
+        if isinstance(value, PartFigures):
+            times = {name: value.times.get(name, Durations()) for name in TIMES_OF_FEATURES}
+            found |= plain(times) | {"main": measured(value)}
+            del found["times"]
+        elif isinstance(value, SessionFigures):
+            for name, each in pieces("figures", FeatureFigures).items():
+                found[each.key or name] = plain(value.features.get(name, ()))
+            del found["features"]
+        return found
     return value
 
 

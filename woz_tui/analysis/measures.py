@@ -6,8 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.feature_figures import FeatureFigures, TimesMeasure
 from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import PartFigures, Reactions
+from woz_tui.feature import pieces
 
 _NONE = Reactions({}, Durations())
 
@@ -64,7 +66,7 @@ def _cues_of(sort: str, words: str) -> tuple[Measure, ...]:
     )  # fmt: skip
 
 
-MEASURES: tuple[Measure, ...] = (
+_OF_CORE: tuple[Measure, ...] = (
     Measure(
         "duration", "s",
         "time in trials of this condition; in a session without trials, time in this condition; "
@@ -233,12 +235,27 @@ MEASURES: tuple[Measure, ...] = (
     Measure("markers", "", "markers, without those of the preflight list", "markers",
             lambda part: part.markers),
     Measure("notes", "", "lines `note`", "notes", lambda part: part.notes),
-    Measure("actions_held", "", "lines `action.held`: answers that shaping held back", "held",
-            lambda part: part.held.n),
-    Measure("held_median_s", "s", "median time for which they were held, from the line to `until`",
-            "held s", lambda part: seconds(part.held.median)),
 )  # fmt: skip
 
+#: What features measure.
+_OF_FEATURES = tuple(
+    measure
+    for figures in pieces("figures", FeatureFigures).values()
+    for measure in figures.measures
+)
+
+
+def _of_times(measure: TimesMeasure) -> Measure:
+    def of(part: PartFigures) -> float | None:
+        return measure.of(part.times.get(measure.times, Durations()))
+
+    return Measure(measure.name, measure.unit, measure.meaning, measure.short, of)
+
+
+MEASURES = (*_OF_CORE, *map(_of_times, _OF_FEATURES))
+#: Names of those of features, and of the durations out of which they are.
+OF_FEATURES = tuple(measure.name for measure in _OF_FEATURES)
+TIMES_OF_FEATURES = tuple(dict.fromkeys(measure.times for measure in _OF_FEATURES))
 BY_NAME = {measure.name: measure for measure in MEASURES}
 #: In tables that people read, where the name would not do.
 _TITLES = {
@@ -260,10 +277,9 @@ _TITLES = {
     "settings_differ_share": "Settings not as requested, share",
     "utterances": "Visitor's utterances",
     "speech_s": "Visitor's speech",
-    "actions_held": "Answers delayed on purpose",
-    "held_median_s": "Delay on purpose, median",
     "mistake_rate": "Mistakes, share of wizard actions",
     "stops": "Emergency stops",
+    **{measure.name: measure.title for measure in _OF_FEATURES},
 }
 
 

@@ -16,9 +16,9 @@ from woz_tui.analysis.report_tables import FEWEST
 from woz_tui.analysis.study_figures import StudyFacts, WizardTraining
 from woz_tui.analysis.text_format import (
     Some,
-    answer_delay,
     capital,
     counted,
+    in_seconds,
     listed,
     neither,
     times,
@@ -197,7 +197,7 @@ def _practised(name: str, practice: WizardTraining) -> str:
     when = "" if practice.sessions == 1 else " in the last one"
     reaction = ""
     if last.times.median is not None:
-        reaction = f", with a median reaction time of {_seconds(last.times.median)} s"
+        reaction = f", with a median reaction time of {in_seconds(last.times.median)} s"
     return (
         f"{sentence} and answered {last.right} of {counted(last.cues, 'cue')}"
         f" ({_per_cent(last.right, last.cues)}) correctly{when}{reaction}."
@@ -221,14 +221,8 @@ def _production(facts: StudyFacts) -> Iterator[str]:
     for name, each in pieces("figures", FeatureFigures).items():
         if name in facts.features:
             yield from each.methods(facts.features[name])
+        yield from each.methods_of_times(facts.times)
     yield from _acted(facts)
-    for (floor, jitter, cues), count in sorted(facts.shaped.items()):
-        yield f"In {counted(count, 'session')} {answer_delay(cues, floor, jitter)}."
-    if facts.held.median is not None:
-        yield (
-            f"Earlier actions were delayed: {counted(facts.held.n, 'action')}, by"
-            f" {_seconds(facts.held.median)} s in the median."
-        )
 
 
 def _acted(facts: StudyFacts) -> Iterator[str]:
@@ -333,11 +327,11 @@ def _reacted(facts: StudyFacts) -> Iterator[str]:
         share = f" ({_per_cent(facts.results['answered'], due)}{left})"
     yield (
         f"Of {counted(cues, 'cue')} that needed an answer, the wizard answered"
-        f" {facts.results['answered']} within {_seconds(facts.window_us)} s"
+        f" {facts.results['answered']} within {in_seconds(facts.window_us)} s"
         f"{share}."
     )
     if facts.reactions.n >= FEWEST:
-        yield f"The reaction time was {_spread(facts.reactions, _seconds, 's')}."
+        yield f"The reaction time was {_spread(facts.reactions, in_seconds, 's')}."
 
 
 def _data(facts: StudyFacts) -> Iterator[str]:
@@ -376,10 +370,6 @@ def _data(facts: StudyFacts) -> Iterator[str]:
 
 def _per_cent(part: int, total: int) -> str:
     return f"{100 * part / total:.1f} %"
-
-
-def _seconds(us: float) -> str:
-    return f"{us / 1e6:.2f}".rstrip("0").rstrip(".")
 
 
 def _fine(us: float) -> str:

@@ -9,7 +9,7 @@ from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import CUE_RESULTS, SettingRow, TrialRow, value_text
 from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, PartFigures, SessionFigures
-from woz_tui.analysis.measures import BY_NAME, Measure, reactions, title_of
+from woz_tui.analysis.measures import BY_NAME, OF_FEATURES, Measure, reactions, title_of
 from woz_tui.analysis.participant_groups import (
     ConditionRow,
     ConditionTotal,
@@ -20,7 +20,6 @@ from woz_tui.analysis.participant_groups import (
 from woz_tui.analysis.participants import condition_text, participant_text
 from woz_tui.analysis.text_format import (
     NONE,
-    answer_delay,
     clock,
     counted,
     digits,
@@ -44,7 +43,7 @@ _OF_SESSION = (
     *("cues", "cues_answered", "cues_missed", "reaction_median_s", "reaction_p95_s"),
     *("settings_differ_s", "settings_differ_share", "engaged_share", "episodes"),
     *("episode_median_s", "utterances", "speech_s", "mistakes", "mistake_rate", "stops"),
-    *("markers", "notes", "actions_held", "held_median_s"),
+    *("markers", "notes", *OF_FEATURES),
 )
 #: The main figures by participant and condition on the terminal, those first that are worth most:
 #: 80 columns have room for about six. Means by condition have all of them, on the page as well.
@@ -505,9 +504,6 @@ def circumstances(figures: SessionFigures) -> Iterator[str]:
         hidden = [f"no {listed(view.hidden, 'or')}"] if view.hidden else []
         hidden += [f"{listed(view.blurred)} blurred"] if view.blurred else []
         yield f"from {clock(view.t)} the wizard's screen had {', '.join(hidden) or 'everything'}"
-    for shaping in figures.shaping:
-        delay = answer_delay(shaping.cues, shaping.floor_us, shaping.jitter_us)
-        yield f"from {clock(shaping.t)} {delay}"
     for name, each in pieces("figures", FeatureFigures).items():
         if name in figures.features:
             yield from each.circumstances(figures.features[name])

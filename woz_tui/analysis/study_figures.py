@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from woz_tui.analysis.durations import Durations
-from woz_tui.analysis.event_rows import RestrictionRow, ShapingRow
+from woz_tui.analysis.event_rows import RestrictionRow
 from woz_tui.analysis.experiment_names import ExperimentNames, file_of
 from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import (
@@ -45,7 +45,7 @@ class StudyFacts:
         wizards: Wizard -> sessions led.
         unreached: Driver -> how many stops did not reach it, as it was not connected.
         views: What the wizard could not see -> in how many sessions.
-        shaped: How answers were held back -> in how many sessions.
+        times: Durations that features tell, by name, of all that means include.
         open_logs: Sessions whose log has no end.
         damaged: Sessions whose log is damaged otherwise, `lost` the lines that are gone.
     """
@@ -82,9 +82,8 @@ class StudyFacts:
     stops: int = 0
     stopped_sessions: int = 0
     unreached: Counter[str] = field(default_factory=Counter)
-    held: Durations = field(default_factory=Durations)
+    times: dict[str, Durations] = field(default_factory=dict)
     views: Counter[tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=Counter)
-    shaped: Counter[tuple[int, int, tuple[str, ...]]] = field(default_factory=Counter)
     trials: int = 0
     left_out: Counter[str] = field(default_factory=Counter)
     questionnaires: Counter[str] = field(default_factory=Counter)
@@ -148,8 +147,6 @@ class StudyFacts:
             self.features.setdefault(name, []).append(counted)
         for part in counted_parts(figures.parts):
             self._produced(part)
-        for shaping in {_shaped(each) for each in figures.shaping} - {(0, 0, ())}:
-            self.shaped[shaping] += 1
 
     def _produced(self, part: PartFigures) -> None:
         for count in part.counts:
@@ -160,7 +157,8 @@ class StudyFacts:
         self.by_hand += part.by_hand
         self.direct += part.direct
         self.edited += part.edited
-        self.held.extend(part.held)
+        for name, times in part.times.items():
+            self.times.setdefault(name, Durations()).extend(times)
         self.mistakes += part.mistakes
         self.press.extend(part.press)
 
@@ -195,12 +193,6 @@ class StudyFacts:
 
 def _hidden(restriction: RestrictionRow) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return tuple(sorted(restriction.hidden)), tuple(sorted(restriction.blurred))
-
-
-def _shaped(shaping: ShapingRow) -> tuple[int, int, tuple[str, ...]]:
-    if not shaping.cues or not (shaping.floor_us or shaping.jitter_us):
-        return 0, 0, ()
-    return shaping.floor_us, shaping.jitter_us, tuple(sorted(shaping.cues))
 
 
 @dataclass(slots=True)

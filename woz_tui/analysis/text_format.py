@@ -33,6 +33,11 @@ def duration(us: float | None) -> str:
     return f"{clock(us)} {'min' if us < 3_599_500_000 else 'h'}"
 
 
+def in_seconds(us: float) -> str:
+    """`0.25`, `3`: seconds without their unit."""
+    return f"{us / 1e6:.2f}".rstrip("0").rstrip(".")
+
+
 def percent(share: float | None) -> str:
     """`12.5 %`."""
     return NONE if share is None else f"{share * 100:.1f} %"
@@ -65,23 +70,6 @@ def listed(words: Sequence[str], last: str = "and") -> str:
     if len(words) < 2:
         return "".join(words)
     return f"{', '.join(words[:-1])} {last} {words[-1]}"
-
-
-#: What a robot may answer, in words.
-_CUES = {
-    "speech": "the end of the visitor's speech",
-    "engagement": "a change of the visitor's engagement",
-    "marker": "a marker",
-}
-
-
-def answer_delay(cues: Sequence[str], floor_us: int, jitter_us: int) -> str:
-    """How soon the robot answered these cues: the sentence of `shaping.changed`."""
-    if not cues or not (floor_us or jitter_us):
-        return "the robot answered at once"
-    more = f", plus a random 0 to {jitter_us / 1e6:g} s" if jitter_us else ""
-    named = listed([_CUES.get(cue, cue) for cue in cues], "or")
-    return f"the robot answered {named} no sooner than {floor_us / 1e6:g} s after it{more}"
 
 
 def neither(words: Sequence[str]) -> str:

@@ -9,7 +9,9 @@ import msgspec
 from woz_tui.analysis.text_format import counted
 from woz_tui.config.counterbalancing import Order, block_size, planned, rows
 from woz_tui.config.experiment import Experiment, Phase
+from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.study import Design, Training
+from woz_tui.feature import pieces
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.welcome import Questionnaire
 from woz_tui.session.session_plan import study_settings
@@ -42,13 +44,8 @@ def study_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
         yield questionnaire.name, _questionnaire(questionnaire)
     for check in study.preflight:
         yield "preflight", check
-    if study.shaping is not None:
-        first, last = study.shaping.floor, study.shaping.floor + study.shaping.jitter
-        span = f"{first:g} s" if first == last else f"{first:g} to {last:g} s"
-        yield (
-            "shaping",
-            f"the robot answers no earlier than {span} after {' and '.join(study.shaping.cues)}",
-        )
+    for section in pieces("section", FeatureSection).values():
+        yield from section.summary(section.of(experiment))
     for cue, names in study.answers.items():
         yield "answers", f"{cue}: {', '.join(names)}"
     if study.perception.hide:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
@@ -17,13 +17,14 @@ S = TypeVar("S")
 class FileContents:
     """What else stands in the file, for a section that names some of it.
 
-    `verbs`: of all drivers, and those that need none. `complete`: the robot files are right. Else a
-    driver is missing here, and what only it knows must not be called unknown: that would hide the
-    mistake that is there.
+    `verbs`: of all drivers, and those that need none. `sensors`: names of all that drivers publish;
+    None: nobody knows. `complete`: the robot files are right. Else a driver is missing here, and
+    what only it knows must not be called unknown: that would hide the mistake that is there.
     """
 
     panels: Sequence[Panel]
     verbs: Sequence[Verb]
+    sensors: Collection[str] | None = None
     complete: bool = True
 
 
@@ -59,6 +60,14 @@ class FeatureSection(Generic[S]):
         """What `woz check --why` looks at: moments in words, each with what then holds of the
         feature (`gate.facts.Facts.features`).
         """
+        return ()
+
+    def study(self, section: S) -> Mapping[str, Any]:
+        """Fields of `welcome.StudySettings` that it fills."""
+        return {}
+
+    def summary(self, section: S) -> Iterable[tuple[str, str]]:
+        """What `woz check` says of it: subjects and sentences."""
         return ()
 
     def of(self, experiment: Experiment) -> S:

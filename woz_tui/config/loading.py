@@ -179,15 +179,14 @@ class _ExperimentDecoder:
         read = tuple(panels.read(panels_cursor)) if panels_cursor is not None else ()
         offered = [verb for spec in robots.drivers for verb in spec.offer.verbs]
         verbs = [*offered, *(offer.verb for offer in vocabulary.own.values())]
-        contents = FileContents(read, verbs, complete=not robots.incomplete)
+        sensors = _published(playing)
+        contents = FileContents(read, verbs, sensors, complete=not robots.incomplete)
         verb_names = {verb.name for verb in verbs} if contents.complete else None
         actions = {draft.action.name: draft.action for draft in panels.drafts}
         reader = EngagementReader(vocabulary, steps, actions)
         engagement = reader.read(section) if section is not None else None
         playable = None if verb_names is None else verb_names | {panel.title for panel in read}
-        around = StudyReferences(
-            conditions, actions, _published(playing), playable, section is not None
-        )
+        around = StudyReferences(conditions, actions, playable)
         experiment = Experiment(
             title=file.title,
             path=self._path.absolute(),
@@ -226,7 +225,7 @@ class _ExperimentDecoder:
             files_sha256=tuple(hashlib.sha256(source.data).hexdigest() for source in self._sources),
         )
         with self._report.lenient(another is not None):
-            check_shown(table.get("sensors"), _published(playing), section is not None)
+            check_shown(table.get("sensors"), sensors, section is not None)
             check_asks(playing, vocabulary.own, actions, file.keyboard, self._report)
             if engagement is not None:
                 check_engagement(engagement, playing, panels.drafts, self._report)

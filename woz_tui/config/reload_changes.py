@@ -132,7 +132,7 @@ def _engagement(old: Engagement, new: Engagement) -> Iterable[str]:
 
 def _study(old: Study, new: Study) -> Iterable[str]:
     """What is under way goes on: a participant's order, an open questionnaire's items."""
-    for part in ("design", "shaping", "perception"):
+    for part in ("design", "perception"):
         yield from _part(part, old, new)
     if old.answers != new.answers:
         yield "answers changed"
@@ -141,11 +141,15 @@ def _study(old: Study, new: Study) -> Iterable[str]:
 
 
 def _part(part: str, old: Study, new: Study) -> Iterable[str]:
-    was, now = getattr(old, part), getattr(new, part)
-    if was is None or now is None:
-        yield from () if was is now else (f"{part} is {'new' if was is None else 'removed'}",)
+    return changed_settings(part, getattr(old, part), getattr(new, part))
+
+
+def changed_settings(what: str, old: object | None, new: object | None) -> Iterable[str]:
+    """Whether a section came or went, or which of its settings changed."""
+    if old is None or new is None:
+        yield from () if old is new else (f"{what} is {'new' if old is None else 'removed'}",)
     else:
-        yield from (f"{part}: {what}" for what in _settings(was, now))
+        yield from (f"{what}: {changed}" for changed in _settings(old, new))
 
 
 def _settings(old: object, new: object, prefix: str = "") -> Iterable[str]:

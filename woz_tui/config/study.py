@@ -1,7 +1,7 @@
 """What an experiment file may say about the study around the robot.
 
 The shapes alone: who gets which condition (`design`), what is asked of people (`questionnaires`,
-`preflight`), what shapes the wizard's answers (`shaping`, `perception`), and how wizards are
+`preflight`), what the wizard sees (`perception`), and how wizards are
 trained (`training`).
 """
 
@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
-from woz_tui.config.study_words import BLURRED, CUES, ORDERS, PERCEIVED, TRAINING_CUES, WHENS
+from woz_tui.config.study_words import BLURRED, ORDERS, PERCEIVED, TRAINING_CUES, WHENS
 from woz_tui.drivers.fields import (
     Doc,
     Entry,
@@ -112,23 +112,6 @@ class QuestionnaireEntry(Entry):
 
 
 @dataclass(frozen=True, slots=True)
-class ResponseShaping:
-    """How soon the robot may answer a cue: not before `floor`, and up to `jitter` later at random,
-    so that a wizard's quickness does not tell. An answer that comes later anyway is not held up.
-    """
-
-    floor: Annotated[
-        float, Seconds(0, 60), Doc("shortest time from the cue to the robot's action, in seconds")
-    ] = 0.0
-    jitter: Annotated[
-        float, Seconds(0, 60), Doc("longest random time that is added, in seconds")
-    ] = 0.0
-    cues: Annotated[tuple[str, ...], OneOf(CUES), Unique(), Doc("speech, engagement, marker")] = (
-        "speech",
-    )
-
-
-@dataclass(frozen=True, slots=True)
 class PerceptionLimits:
     """What the wizard does not get to see, so as to know no more than the robot could."""
 
@@ -197,7 +180,6 @@ class Study:
         Unique(),
         Doc("what a person checks before the first participant"),
     ] = ()
-    shaping: Annotated[ResponseShaping | None, Doc("delays before the robot answers a cue")] = None
     #: Cue -> verbs and titles of panels; cues that are not there are answered by speech.
     answers: Annotated[
         Mapping[str, tuple[str, ...]],

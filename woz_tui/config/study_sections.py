@@ -1,6 +1,6 @@
 """The sections of an experiment file that are about the study, read into one `Study`.
 
-`design`, `questionnaires`, `preflight`, `shaping`, `perception`, `training`:
+`design`, `questionnaires`, `preflight`, `perception`, `training`:
 
 design: {order: latin-square, trials: 3, blind: {warm: Lemon, cold: Orange}}
 questionnaires:
@@ -38,7 +38,6 @@ from woz_tui.config.study import (
     ItemEntry,
     PerceptionLimits,
     QuestionnaireEntry,
-    ResponseShaping,
     ScaleEntry,
     Study,
 )
@@ -53,7 +52,6 @@ from woz_tui.config.yaml_cursor import (
     texts_of,
 )
 from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
-from woz_tui.drivers.contract import SPEECH
 from woz_tui.drivers.fields import NotEmpty, OneOrMore
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 
@@ -252,15 +250,13 @@ def _labels(cursor: Cursor | None, conditions: Sequence[str], seed: int) -> dict
 
 @dataclass(frozen=True, slots=True)
 class StudyReferences:
-    """What the sections refer to. `sensors` and `playable` (verbs and titles of panels): None where
-    the robot files are not right.
+    """What the sections refer to. `playable` (verbs and titles of panels): None where the robot
+    files are not right.
     """
 
     conditions: Sequence[str]
     actions: Mapping[str, Action]
-    sensors: Collection[str] | None
     playable: Collection[str] | None
-    engaged: bool
 
 
 def read_study(file: Study, table: Mapping[str, Cursor], around: StudyReferences) -> Study:
@@ -271,14 +267,12 @@ def read_study(file: Study, table: Mapping[str, Cursor], around: StudyReferences
     questionnaires = read_questionnaires(table.get("questionnaires"))
     if design is None and "design" not in table:
         _without_a_design(table.get("questionnaires"))
-    _check_shaping(file.shaping, table.get("shaping"), around)
     _check_perception(file.perception, table.get("perception"))
     _check_training(table.get("training"), around.actions)
     return Study(
         design=design,
         questionnaires=questionnaires,
         preflight=file.preflight,
-        shaping=file.shaping,
         answers=_answering(table.get("answers"), around.playable),
         perception=file.perception,
         training=file.training,
@@ -294,27 +288,6 @@ def _without_a_design(cursor: Cursor | None) -> None:
                 "without a design, the last trial of a condition is unknown;"
                 " add design: {trials: ...}, or start it by hand: when: hand"
             )
-
-
-def _check_shaping(
-    shaping: ResponseShaping | None, cursor: Cursor | None, around: StudyReferences
-) -> None:
-    if cursor is None or shaping is None:
-        return
-    entries = dict(cursor.entries())
-    cues = entries.get("cues", cursor)
-    if not shaping.cues:
-        cues.error("the list has no cue; add one, or remove the section")
-    if not shaping.floor and not shaping.jitter:
-        cursor.warning("delays nothing; add a floor, such as floor: 0.8 s")
-    if "engagement" in shaping.cues and not around.engaged:
-        cues.warning("the cue engagement never occurs: the file has no section engagement")
-    if (
-        "speech" in shaping.cues
-        and around.sensors is not None
-        and not _hears_speech(around.sensors)
-    ):
-        cues.warning("the cue speech never occurs: no driver detects the end of speech")
 
 
 def _answering(
@@ -344,10 +317,6 @@ def _playable(cursor: Cursor, playable: Collection[str] | None) -> tuple[str, ..
             near = entry.report.hint(name, playable, or_list="there are")
             entry.error(f"{quoted(name)} is neither a verb nor a panel{near}")
     return () if isinstance(names, Invalid) else tuple(names)
-
-
-def _hears_speech(sensors: Collection[str]) -> bool:
-    return SPEECH in {name.rpartition(".")[2] for name in sensors}
 
 
 def _check_perception(perception: PerceptionLimits, cursor: Cursor | None) -> None:

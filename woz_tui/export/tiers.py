@@ -35,8 +35,7 @@ class Tier:
 _SETTINGS = frozenset(
     {
         *("session.changed", "participant.withdrawn", "condition.assigned"),
-        *("shaping.changed", "perception.changed"),
-        *("mode.changed", "panel.locked", "experiment.reloaded"),
+        *("perception.changed", "mode.changed", "panel.locked", "experiment.reloaded"),
     }
 )
 

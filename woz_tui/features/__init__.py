@@ -4,4 +4,8 @@
 it. One that is taken out of the list is not there: a file that uses it is told so.
 """
 
-FEATURES: tuple[str, ...] = ("woz_tui.features.profiles:Profiles", "woz_tui.features.mcap:Mcap")
+FEATURES: tuple[str, ...] = (
+    "woz_tui.features.delay:Delay",
+    "woz_tui.features.profiles:Profiles",
+    "woz_tui.features.mcap:Mcap",
+)

@@ -47,7 +47,6 @@ from woz_tui.protocol.action_messages import (
 from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
 from woz_tui.protocol.study_messages import (
     STUDY_MESSAGES,
-    ActionHeld,
     ActionScheduled,
     BreakEnded,
     BreakStarted,
@@ -65,7 +64,6 @@ from woz_tui.protocol.study_messages import (
     RerunSkipped,
     RerunStarted,
     SessionPlan,
-    ShapingChanged,
     TrainingChanged,
     TrialEnded,
     TrialStarted,
@@ -77,7 +75,6 @@ __all__ = [
     "ActionDone",
     "ActionEnd",
     "ActionFailed",
-    "ActionHeld",
     "ActionRefused",
     "ActionRequested",
     "ActionScheduled",
@@ -119,7 +116,6 @@ __all__ = [
     "RerunStarted",
     "RestrictedMessage",
     "SessionPlan",
-    "ShapingChanged",
     "Speech",
     "StopConfirmed",
     "StopPressed",

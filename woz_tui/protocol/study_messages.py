@@ -154,29 +154,6 @@ class QuestionnaireEnded(Message, frozen=True, kw_only=True, tag="questionnaire.
 # -- what shapes a wizard's answers ---------------------------------------------------------------
 
 
-class ShapingChanged(Message, frozen=True, kw_only=True, tag="shaping.changed"):
-    """From here on the robot answers a cue no sooner than `floor_us` and a random 0 to `jitter_us`
-    after it; both 0: at once. `cues`: which (see `action.held`).
-    """
-
-    floor_us: int
-    jitter_us: int
-    cues: list[str]
-
-
-class ActionHeld(Message, frozen=True, kw_only=True, tag="action.held"):
-    """An action was asked for sooner after a cue than the robot answers: it begins at `until`. The
-    cue's `sort` is speech (the visitor's speech ended), engagement or marker; `cued` is its moment,
-    `until` that of the beginning, on the axis of `t`.
-    """
-
-    run: str
-    action: str
-    sort: str
-    cued: int
-    until: int
-
-
 class ActionScheduled(Message, frozen=True, kw_only=True, tag="action.scheduled"):
     """An action or a single command waits for the moment `at` for which it was asked, on the axis
     of `t`; then it is looked at once more, and begins or is refused.
@@ -295,8 +272,6 @@ STUDY_MESSAGES: tuple[type[Message], ...] = (
     QuestionnaireStarted,
     QuestionnaireAnswered,
     QuestionnaireEnded,
-    ShapingChanged,
-    ActionHeld,
     ActionScheduled,
     PerceptionChanged,
     TrainingChanged,

@@ -7,6 +7,7 @@ import functools
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import msgspec
 
@@ -14,13 +15,13 @@ from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call
 from woz_tui.config.performers import BML, ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.drivers.contract import Verb
 from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS, is_by_hand, weakest
 from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.session.action_texts import ActionTexts, Steps, calls_in, missing_value_error
-from woz_tui.session.response_delay import ResponseDelay, may_wait
 from woz_tui.session.variables import MissingValueError
 from woz_tui.timeline.session_state import SessionState
 
@@ -34,6 +35,25 @@ _ACCOMPANYING = frozenset({"head", "face", "eyes"})
 
 #: Says why what was requested may not begin any more: much can have been locked since.
 WhyNot = Callable[[], Refusal | None]
+
+
+class Holds(Protocol):
+    """Makes some of what is asked for wait."""
+
+    def hold(
+        self,
+        run: str,
+        name: str,
+        source: str,
+        verbs: Sequence[Verb],
+        begin: Callable[[], object],
+    ) -> bool:
+        """Whether it waits; then `begin` is called when it may begin."""
+        ...
+
+    def drop(self, run: str) -> None:
+        """What is held as `run`, if anything is, has been ended."""
+        ...
 
 
 @dataclass
@@ -77,7 +97,7 @@ class ActionRunner:
         bus: Takes the commands.
         texts: Choose what actions say.
         deadline: Seconds a command may wait before it must have begun; 0 means for ever.
-        delay: Holds what answers a cue too soon.
+        holds: May make it wait.
     """
 
     def __init__(
@@ -86,18 +106,17 @@ class ActionRunner:
         bus: Bus,
         texts: ActionTexts,
         deadline: float,
-        *,
-        delay: ResponseDelay,
+        holds: Holds,
     ) -> None:
         self._hub = hub
-        self._delay = delay
+        self._holds_back = holds
         self._bus = bus
         self._texts = texts
         self.deadline = deadline
         self._runs: dict[str, ActionRun] = {}
         self._actions = 0
         self._commands = 0
-        #: Single commands that wait for their moment after a cue, and who is told of their end.
+        #: Single commands that wait for their moment, and who is told of their end.
         self._held: dict[str, tuple[m.Command, Callable[[m.End], None] | None]] = {}
         #: Runs and commands that wait for the moment for which they were asked.
         self.scheduled: dict[str, asyncio.TimerHandle] = {}
@@ -156,7 +175,9 @@ class ActionRunner:
         return run_id, _refusal_of(run)
 
     def _begin_allowed(self, run: ActionRun) -> None:
-        """Begin what had to wait, unless it became forbidden meanwhile."""
+        """Begin what had to wait, unless it was ended or became forbidden meanwhile."""
+        if run.id not in self._runs:
+            return
         if run.again is not None and (refusal := run.again()) is not None:
             name, reason = run.action.name, refusal.reason
             self._finish(run, m.ActionRefused(run=run.id, action=name, reason=reason))
@@ -185,7 +206,7 @@ class ActionRunner:
 
     def _forget_begin(self, run: str) -> None:
         """A run or command has ended: nothing of it begins any more."""
-        self._delay.drop(run)
+        self._holds_back.drop(run)
         if (timer := self.scheduled.pop(run, None)) is not None:
             timer.cancel()
 
@@ -235,7 +256,11 @@ class ActionRunner:
             return self._bus.submit(command_now, ended, again)
 
         def begin() -> bool:
-            """What had to wait, unless it became forbidden meanwhile; says whether it was sent."""
+            """What had to wait, unless it was ended or became forbidden meanwhile; says whether it
+            was sent.
+            """
+            if command.command not in self._held:
+                return False
             if again is not None and (refusal := again()) is not None:
                 self._let_go(command.command, refusal.reason, refusal.code)
                 return False
@@ -291,16 +316,14 @@ class ActionRunner:
         calls: list[Call],
         begin: Callable[[], object],
     ) -> bool:
-        """Whether this answers a cue too soon, and `begin` is called when its moment has come."""
+        """Whether it waits, and `begin` is called when its moment has come."""
         verbs = [
             known
             for call in calls
             if call.driver not in (SESSION, ENGAGEMENT)
             and (known := self._bus.verb(call.driver, call.verb)) is not None
         ]
-        if any(verb.drives for verb in verbs) or not any(map(may_wait, verbs)):
-            return False
-        return self._delay.hold(run, name, origin.source, begin)
+        return self._holds_back.hold(run, name, origin.source, verbs, begin)
 
     def _let_go(self, command: str, reason: str, code: str = "stopped") -> None:
         """End a single command that was held without sending it, and log that."""
@@ -578,7 +601,7 @@ class ActionRunner:
             run.left = end
 
     def empty(self, reason: str) -> bool:
-        """End what waits in queues or is held after a cue; whether anything did."""
+        """End what waits in queues or is held; whether anything did."""
         before = len(self._runs), len(self._held), len(self._bus.waiting)
         self._drop_held(reason)
         for run in [run for run in self._runs.values() if run.at < 0]:
@@ -593,7 +616,7 @@ class ActionRunner:
             self._stop(run, reason)
 
     def _drop_held(self, reason: str) -> None:
-        """End everything that is held after a cue."""
+        """End every single command that is held."""
         for command in list(self._held):
             self._let_go(command, reason)
 

@@ -48,7 +48,6 @@ from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Forecaster, Kept, predicted
 from woz_tui.session.recent_messages import UNLISTED, RecentMessages
 from woz_tui.session.repair_control import RepairController
-from woz_tui.session.response_delay import ResponseDelay
 from woz_tui.session.script_control import ScriptController
 from woz_tui.session.session_driver import VERBS, SessionPerformer
 from woz_tui.session.session_features import SessionFeatures
@@ -198,10 +197,9 @@ class Session:
             self.values,
             self.blocks.calls_in,
         )
-        delay = ResponseDelay(self.hub, self.identity.seed)
-        self.runner = ActionRunner(
-            self.hub, self.bus, self.texts, self.experiment.session.deadline, delay=delay
-        )
+        self.features = SessionFeatures(self)
+        deadline = self.experiment.session.deadline
+        self.runner = ActionRunner(self.hub, self.bus, self.texts, deadline, self.features)
         self.repairs = RepairController(
             lambda: self.experiment, self.state, self.runner, self.texts
         )
@@ -214,7 +212,6 @@ class Session:
         self._held: dict[tuple[str, str], str] = {}
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._checkpointed = 0
-        self.features = SessionFeatures(self)
 
     # -- beginning and ending ----------------------------------------------------------------
 

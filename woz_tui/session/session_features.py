@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar, Protocol, TypeVar, cast
@@ -11,10 +11,12 @@ from typing import Any, ClassVar, Protocol, TypeVar, cast
 from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.experiment import Experiment
+from woz_tui.drivers.contract import Verb
 from woz_tui.feature import left_out, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import Request
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.timeline.session_state import SessionState
 
 log = logging.getLogger(__name__)
@@ -40,6 +42,7 @@ class FeatureSession(Protocol):
     experiment: Experiment
     hub: Hub
     state: SessionState
+    identity: SessionIdentity
     #: Shows consoles the panels as they are now.
     on_panels: Callable[[], None]
 
@@ -78,6 +81,24 @@ class SessionFeature:
 
     def adopt(self, experiment: Experiment) -> None:
         """The session goes on with a file that was read again."""
+
+    def hold(
+        self,
+        run: str,
+        name: str,
+        source: str,
+        verbs: Sequence[Verb],
+        begin: Callable[[], object],
+    ) -> bool:
+        """Whether what was asked for waits; then the feature calls `begin` when it may begin.
+
+        `run` and `name`: of the action, or a command and its verb. `source`: who asked for it.
+        `verbs`: what robots are to do.
+        """
+        return False
+
+    def drop(self, run: str) -> None:
+        """What it holds as `run`, if anything, has been ended."""
 
     def fact(self) -> object | None:
         """What the feature's rows of the gate and its view look at; None: there is nothing."""
@@ -151,6 +172,29 @@ class SessionFeatures:
         """The session goes on with a file that was read again."""
         for name, feature in [*self._all.items()]:
             self._safely(name, feature.adopt, None, experiment)
+
+    def hold(
+        self,
+        run: str,
+        name: str,
+        source: str,
+        verbs: Sequence[Verb],
+        begin: Callable[[], object],
+    ) -> bool:
+        """Whether a feature makes it wait, and calls `begin` when it may begin."""
+        return any(
+            self._safely(holding, feature.hold, False, run, name, source, verbs, begin)
+            for holding, feature in self._holding()
+        )
+
+    def drop(self, run: str) -> None:
+        """What is held as `run`, if anything is, has been ended."""
+        for name, feature in self._holding():
+            self._safely(name, feature.drop, None, run)
+
+    def _holding(self) -> list[tuple[str, SessionFeature]]:
+        """Those that may hold something."""
+        return [each for each in self._all.items() if type(each[1]).hold is not SessionFeature.hold]
 
     def facts(self) -> dict[str, object]:
         """What their rows of the gate look at, by name."""

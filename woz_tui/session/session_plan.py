@@ -10,6 +10,8 @@ from typing import Any
 import msgspec
 
 from woz_tui.config.experiment import Experiment
+from woz_tui.config.feature_section import FeatureSection
+from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import welcome as s
 from woz_tui.protocol.requests import PANEL_SETTINGS, PROTOCOL, PanelsChanged, Welcome
@@ -19,17 +21,20 @@ from woz_tui.timeline.study_history import StudyState
 def study_settings(experiment: Experiment) -> s.StudySettings:
     """What the file says; what became of it is in the stream's messages."""
     study = experiment.study
-    design, shaping = study.design, study.shaping
+    design = study.design
+    of_features: dict[str, Any] = {}
+    for section in pieces("section", FeatureSection).values():
+        of_features |= section.study(section.of(experiment))
     return s.StudySettings(
         design=s.DesignView(design.order, design.within, design.trials) if design else None,
         blind=dict(design.blind) if design else {},
         questionnaires=[*study.questionnaires],
         preflight=[*map(s.PreflightCheck, study.preflight)],
         perception=s.PerceptionView([*study.perception.hide], [*study.perception.blur]),
-        shaping=s.ShapingView(shaping.floor, shaping.jitter, [*shaping.cues]) if shaping else None,
         words=experiment.words,
         answers={cue: [*names] for cue, names in study.answers.items()},
         by_condition={name: dict(texts) for name, texts in experiment.by_condition.items()},
+        **of_features,
     )
 
 

@@ -65,12 +65,10 @@ class StudyController:
     # -- beginning and ending ----------------------------------------------------------------------
 
     def begin(self) -> None:
-        """Say what shapes the wizard's answers, as far as the file has it."""
+        """Say what is kept from the wizard, if the file keeps anything."""
         study = self._read().study
         if study.perception.hide or study.perception.blur:
             self._publish_perception()
-        if study.shaping is not None:
-            self._publish_shaping()
 
     def adopt(self) -> None:
         """Go on with a changed file; what is under way goes on as it began."""
@@ -79,8 +77,6 @@ class StudyController:
         self._proposed.clear()
         if old.perception != new.perception:
             self._publish_perception()
-        if old.shaping != new.shaping:
-            self._publish_shaping()
 
     def close(self) -> None:
         """The session ends: so does what is under way."""
@@ -92,16 +88,6 @@ class StudyController:
         perception = self._read().study.perception
         self._hub.publish(
             m.PerceptionChanged(hidden=[*perception.hide], blurred=[*perception.blur])
-        )
-
-    def _publish_shaping(self) -> None:
-        shaping = self._read().study.shaping
-        self._hub.publish(
-            m.ShapingChanged(
-                floor_us=round(shaping.floor * 1_000_000) if shaping else 0,
-                jitter_us=round(shaping.jitter * 1_000_000) if shaping else 0,
-                cues=[*shaping.cues] if shaping else [],
-            )
         )
 
     # -- values ------------------------------------------------------------------------------------

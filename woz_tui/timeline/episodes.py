@@ -155,15 +155,14 @@ _OWN = len(Episode.__struct_fields__)
 class ActionEpisode(Episode, frozen=True, kw_only=True):
     """An action from its request to its end.
 
-    `held`: it began later, so as not to answer a cue too soon. `commands` are the ids of those that
-    came of it, without passing ones, `dispatched` is the first start of a driver among them.
+    `commands` are the ids of those that came of it, without passing ones, `dispatched` is the first
+    start of a driver among them.
     `waits`: something of it counts only when the robot's mode is over. `mistake`: the first line
     that calls it one.
     """
 
     kind = "action"
     request: m.ActionRequested
-    held: m.ActionHeld | None = None
     dispatched: m.Dispatched | None = None
     ended: m.ActionEnd | None = None
     mistake: m.Mistake | None = None
@@ -193,18 +192,13 @@ class ActionEpisode(Episode, frozen=True, kw_only=True):
     @property
     def lines(self) -> Iterable[m.Message]:
         """Without those of its commands."""
-        both = (self.request, self.held, self.ended, self.mistake)
+        both = (self.request, self.ended, self.mistake)
         return (line for line in both if line is not None)
 
     @property
     def left_out(self) -> bool:
         """Whether nothing of it was sent, because this robot does nothing of it."""
         return bool(self.request.without) and not self.commands
-
-    @property
-    def held_us(self) -> int:
-        """How long it was held back, from the line that says so; 0: not at all."""
-        return max(0, self.held.until - self.held.t) if self.held else 0
 
     @property
     def latency_us(self) -> int | None:

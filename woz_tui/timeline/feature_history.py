@@ -28,6 +28,10 @@ class FeatureHistory:
         """
         return None
 
+    def put_off(self, run: str) -> tuple[int, int] | None:
+        """Since when and until when it puts the beginning of a run off; None: it does not."""
+        return None
+
     def _values(self) -> Iterator[object]:
         for value in vars(self).values():
             yield from value.values() if type(value) is dict else (value,)

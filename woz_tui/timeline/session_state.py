@@ -139,7 +139,6 @@ class SessionState:
     filled: m.ActionsFilled | None = None
     scripts: dict[str, m.ScriptMoved] = field(default_factory=dict)
     locks: dict[str, m.PanelLocked] = field(default_factory=dict)
-    shaping: m.ShapingChanged | None = None
     perception: m.PerceptionChanged | None = None
     restriction: RestrictionEpisode | None = None
     consoles: dict[str, m.ConsoleAttached] = field(default_factory=dict)
@@ -266,6 +265,11 @@ class SessionState:
         """What a feature keeps of this session."""
         return cast("H", self.histories[kind])
 
+    def put_off(self, run: str) -> tuple[int, int] | None:
+        """Since when and until when the beginning of a run is put off; None: it is not."""
+        found = (history.put_off(run) for history in self.histories.values())
+        return next((each for each in found if each is not None), None)
+
     def _moment(self, message: m.Message) -> tuple[Episode]:
         return moment(message, self.t)
 
@@ -316,13 +320,6 @@ class SessionState:
     def _requested(self, message: m.ActionRequested) -> Iterable[Episode]:
         action = ActionEpisode(begin=self.t, seq=message.seq, request=message)
         return self._begin(self.actions, message.run, action)
-
-    def _held(self, message: m.ActionHeld) -> Iterable[Episode]:
-        action = self.actions.get(message.run)
-        if action is None:
-            return self._moment(message)
-        self.actions[message.run] = replace(action, held=message)
-        return ()
 
     def _action_ended(self, message: m.ActionEnd) -> Iterable[Episode]:
         action = self.actions.pop(message.run, None)
@@ -703,7 +700,6 @@ CASES: dict[type[m.Message], _Case] = {
     m.SessionPlan: S._plan,
     m.RecorderState: _last("recorder"),
     m.ActionRequested: S._requested,
-    m.ActionHeld: S._held,
     m.Command: S._command,
     m.Dispatched: S._dispatched,
     m.Progress: S._progress,
@@ -743,7 +739,6 @@ CASES: dict[type[m.Message], _Case] = {
     m.QuestionnaireStarted: lambda state, message: state.study.ask(message, state.t),
     m.QuestionnaireAnswered: lambda state, message: state.study.answer(message, state.t),
     m.QuestionnaireEnded: S._questionnaire_ended,
-    m.ShapingChanged: _as_moment(_last("shaping")),
     m.PerceptionChanged: S._perception,
     m.TrainingChanged: S._training,
     m.CueGiven: S._cue,

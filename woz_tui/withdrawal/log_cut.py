@@ -30,7 +30,7 @@ OF_THE_SESSION = frozenset(
         *("driver.connecting", "driver.connected", "driver.lost", "driver.faulted"),
         *("verbs.unable", "lane.faulted", "lane.recovered", "mode.changed", "settings.shown"),
         *("console.attached", "console.lost", "listener.joined", "listener.left"),
-        *("panel.locked", "perception.changed", "shaping.changed"),
+        *("panel.locked", "perception.changed"),
         *("engagement.settings", "training.changed"),
         *("rerun.started", "rerun.ended"),
     }

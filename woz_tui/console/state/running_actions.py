@@ -96,11 +96,12 @@ class DriverRefusal:
 @dataclass(frozen=True, slots=True)
 class ActiveRun:
     """One press under way, with those of its commands that are not over: an action, or a command
-    that was sent on its own.
+    that was sent on its own. `put_off`: since when and until when its beginning is put off.
     """
 
     press: ActionEpisode | CommandEpisode
     commands: tuple[CommandEpisode, ...]
+    put_off: tuple[int, int] | None = None
 
     @property
     def id(self) -> str:
@@ -116,11 +117,11 @@ class ActiveRun:
 
     def held_for(self, now: int) -> tuple[int, float] | None:
         """Microseconds for which it is still held back, and the share (0..1) gone by."""
-        held = self.press.held if isinstance(self.press, ActionEpisode) else None
-        if held is None or self.running or now >= held.until:
+        if self.put_off is None or self.running or now >= self.put_off[1]:
             return None
-        share = (now - held.t) / max(1, held.until - held.t)
-        return held.until - now, min(1.0, max(0.0, share))
+        since, until = self.put_off
+        share = (now - since) / max(1, until - since)
+        return until - now, min(1.0, max(0.0, share))
 
     def timing(self, now: int) -> tuple[int | None, float | None]:
         """Microseconds still to go and the share (0..1) gone by; None where nobody has said."""
@@ -191,7 +192,8 @@ class RunningActions:
         known = self.session.commands
         if isinstance(press, CommandEpisode):
             return ActiveRun(press, (press, *self.parts(press)))
-        return ActiveRun(press, tuple(known[name] for name in press.commands if name in known))
+        commands = tuple(known[name] for name in press.commands if name in known)
+        return ActiveRun(press, commands, self.session.put_off(press.request.run))
 
     @property
     def blocks(self) -> list[CommandEpisode]:

@@ -59,12 +59,6 @@ def event_text(message: m.Message) -> EventText | None:
             ended = {"done": "answered", "left": "not finished"}.get(reason, reason)
             mark = "done" if reason == "done" else "info"
             return EventText(mark, f"Questionnaire {ended}", f"{message.answered} answered")
-        case m.ShapingChanged(floor_us=0, jitter_us=0):
-            return EventText("info", "Robot answers are not delayed")
-        case m.ShapingChanged(jitter_us=jitter):
-            most = f" to {seconds(message.floor_us + jitter)}" if jitter else ""
-            delayed = f"Robot answers are delayed by {seconds(message.floor_us)}{most}"
-            return EventText("info", delayed, f"after: {', '.join(message.cues)}")
         case m.PerceptionChanged(hidden=hidden, blurred=blurred):
             if not hidden and not blurred:
                 return EventText("info", "Nothing is hidden from you")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import itertools
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,12 +13,16 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from tests.session.rig import SessionRig
+from tests.host.rig import served_session
+from tests.session.rig import SessionRig, experiment
 from woz_tui.bus.hub import Hub
+from woz_tui.config.experiment import Experiment
 from woz_tui.drivers.contract import Ask, Verb
+from woz_tui.features.delay.kinds import ActionHeld, ShapingChanged
+from woz_tui.features.delay.response_delay import ResponseDelay, may_wait
+from woz_tui.features.delay.section import SHAPING, ResponseShaping
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.response_delay import ResponseDelay, may_wait
 from woz_tui.system.clock import ManualClock
 
 KEY = RequestOrigin("key", "h")
@@ -26,7 +31,7 @@ SECOND = 1_000_000
 
 def shaped(rig: SessionRig, floor_us: int = 800_000, jitter_us: int = 0) -> None:
     rig.session.hub.publish(
-        m.ShapingChanged(floor_us=floor_us, jitter_us=jitter_us, cues=["speech", "marker"])
+        ShapingChanged(floor_us=floor_us, jitter_us=jitter_us, cues=["speech", "marker"])
     )
 
 
@@ -65,7 +70,7 @@ def test_an_answer_that_comes_too_soon_begins_at_the_floor(play: Play) -> None:
         rig.session.play("Hello", KEY)
         assert rig.driver().calls == []
         await asyncio.sleep(3)
-        (action_held,) = (line for line in rig.of(m.ActionHeld))
+        (action_held,) = (line for line in rig.of(ActionHeld))
         assert (action_held.sort, action_held.cued, action_held.until) == (
             "speech",
             ended,
@@ -81,7 +86,7 @@ def test_an_answer_that_comes_too_soon_begins_at_the_floor(play: Play) -> None:
 def test_a_newcomer_is_told_what_is_held(play: Play) -> None:
     def standing(rig: SessionRig) -> list[str]:
         state = rig.session.state.messages()
-        return [type(line).__name__ for line in state if isinstance(line, m.ActionHeld)]
+        return [type(line).__name__ for line in state if isinstance(line, ActionHeld)]
 
     async def scene(rig: SessionRig) -> None:
         visitor_stops(rig)
@@ -102,7 +107,7 @@ def test_an_answer_that_comes_late_enough_begins_at_once(play: Play) -> None:
         await asyncio.sleep(0.001)
         assert rig.driver().calls == [("say", {"text": "Hello P07"})]
 
-    assert play(scene).kinds(m.ActionHeld) == []
+    assert play(scene).kinds(ActionHeld) == []
 
 
 def test_without_a_cue_nothing_is_held(play: Play) -> None:
@@ -110,7 +115,7 @@ def test_without_a_cue_nothing_is_held(play: Play) -> None:
         rig.session.hub.publish(m.Marker(text="preflight: 3 checks", source="preflight"))
         rig.session.play("Hello", KEY)
 
-    assert play(scene).kinds(m.ActionHeld) == []
+    assert play(scene).kinds(ActionHeld) == []
 
 
 def test_the_order_of_the_presses_is_the_order_of_the_acts(play: Play) -> None:
@@ -132,18 +137,18 @@ def test_a_marker_that_no_human_has_put_is_no_cue(play: Play, source: str) -> No
         rig.session.hub.publish(m.Marker(text="look", source=source))
         rig.session.play("Hello", KEY)
 
-    assert play(scene).kinds(m.ActionHeld) == []
+    assert play(scene).kinds(ActionHeld) == []
 
 
 def test_a_marker_delays_from_the_moment_that_its_program_measured(play: Play) -> None:
     async def scene(rig: SessionRig) -> None:
         hub = rig.session.hub
-        hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["marker"]))
+        hub.publish(ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["marker"]))
         await asyncio.sleep(2)
         flip = hub.now() - SECOND // 2
         hub.publish(m.Marker(text="onset", source="program", at=flip))
         rig.session.play("Hello", KEY)
-        [action_held] = (line for line in rig.of(m.ActionHeld))
+        [action_held] = (line for line in rig.of(ActionHeld))
         assert (action_held.cued, action_held.until) == (flip, flip + SECOND)
 
     play(scene)
@@ -152,12 +157,12 @@ def test_a_marker_delays_from_the_moment_that_its_program_measured(play: Play) -
 def test_a_marker_of_an_earlier_moment_shortens_no_delay(play: Play) -> None:
     async def scene(rig: SessionRig) -> None:
         hub = rig.session.hub
-        hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["speech", "marker"]))
+        hub.publish(ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["speech", "marker"]))
         await asyncio.sleep(3)
         now = visitor_stops(rig)
         hub.publish(m.Marker(text="onset", source="program", at=now - 2 * SECOND))
         rig.session.play("Hello", KEY)
-        [action_held] = (line for line in rig.of(m.ActionHeld))
+        [action_held] = (line for line in rig.of(ActionHeld))
         assert (action_held.sort, action_held.until) == ("speech", now + SECOND)
 
     play(scene)
@@ -167,7 +172,7 @@ def test_a_marker_of_an_earlier_moment_shortens_no_delay(play: Play) -> None:
 def test_what_the_model_sees_is_a_cue_if_the_file_says_so(play: Play, listed: bool) -> None:
     async def scene(rig: SessionRig) -> None:
         cues = ["engagement"] if listed else ["marker"]
-        rig.session.hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=cues))
+        rig.session.hub.publish(ShapingChanged(floor_us=SECOND, jitter_us=0, cues=cues))
         rig.session.hub.publish(
             m.EngagementChanged(
                 was="UserSpeaks", now="RobotThinks", outcome="spoken", why="", verdicts={}
@@ -175,7 +180,7 @@ def test_what_the_model_sees_is_a_cue_if_the_file_says_so(play: Play, listed: bo
         )
         rig.session.play("Hello", KEY)
 
-    assert play(scene).kinds(m.ActionHeld) == ["ActionHeld"] * listed
+    assert play(scene).kinds(ActionHeld) == ["ActionHeld"] * listed
 
 
 def test_a_cue_of_before_counts_no_more_when_the_settings_change(play: Play) -> None:
@@ -184,7 +189,7 @@ def test_a_cue_of_before_counts_no_more_when_the_settings_change(play: Play) -> 
         shaped(rig, 500_000)
         rig.session.play("Hello", KEY)
 
-    assert play(scene).kinds(m.ActionHeld) == []
+    assert play(scene).kinds(ActionHeld) == []
 
 
 @pytest.mark.parametrize("how", [{"stream": True}, {"brief": True}, {"drives": True}])
@@ -214,7 +219,7 @@ def test_what_no_hand_asked_for_is_not_held(play: Play, source: str) -> None:
         visitor_stops(rig)
         rig.session.play("Hello", RequestOrigin(source))
 
-    assert play(scene).kinds(m.ActionHeld) == []
+    assert play(scene).kinds(ActionHeld) == []
 
 
 @pytest.mark.parametrize("action", ["Go", "Cold"])
@@ -223,7 +228,7 @@ def test_driving_and_notes_to_oneself_are_not_held(play: Play, action: str) -> N
         visitor_stops(rig)
         rig.session.play(action, KEY)
 
-    assert play(scene).kinds(m.ActionHeld) == []
+    assert play(scene).kinds(ActionHeld) == []
 
 
 def test_a_stop_ends_what_is_held(play: Play) -> None:
@@ -276,15 +281,57 @@ def test_a_driver_hears_that_what_it_asked_for_never_began(play: Play) -> None:
         context = rig.driver().context
         context.ask(Ask("verb", "say", {"text": "held"}), lambda *how: told.append(how))
         await asyncio.sleep(0.1)
-        assert rig.kinds(m.ActionHeld) == ["ActionHeld"]
+        assert rig.kinds(ActionHeld) == ["ActionHeld"]
         rig.session.stop("key")
 
     play(scene)
     assert told == [(False, "stop pressed")]
 
 
+def said(
+    tmp_path: Path, before: ResponseShaping | None, after: ResponseShaping | None
+) -> list[tuple[int, int, list[str]]]:
+    """What a session says that begins with one section, and whose file then has the other."""
+
+    def shaped_by(shaping: ResponseShaping | None) -> Experiment:
+        return replace(experiment(tmp_path), sections={SHAPING: shaping})
+
+    async def scene(rig: SessionRig) -> None:
+        rig.session.adopt(shaped_by(before), [])
+        rig.session.adopt(shaped_by(after), [])
+
+    told = SessionRig(tmp_path, made=shaped_by(before)).run(scene).of(ShapingChanged)
+    return [(line.floor_us, line.jitter_us, line.cues) for line in told]
+
+
+def test_the_delay_is_said_at_the_beginning_and_when_it_changes(tmp_path: Path) -> None:
+    delayed = (800_000, 400_000, ["speech"])
+    assert said(tmp_path, ResponseShaping(0.8, 0.4), None) == [delayed, (0, 0, [])]
+    assert said(tmp_path, None, ResponseShaping(0.8, 0.4)) == [delayed]
+    assert said(tmp_path, None, None) == []
+
+
+async def test_a_newcomer_is_told_the_delay(tmp_path: Path) -> None:
+    made = replace(experiment(tmp_path), sections={SHAPING: ResponseShaping(0.8, 0.4)})
+    async with served_session(tmp_path, made=made) as host:
+        for role, told in (
+            ("watcher", {"floor": 0.8, "jitter": 0.4, "cues": ["speech"]}),
+            ("participant", None),
+        ):
+            welcome = await (await host.connect()).hello(role)
+            assert welcome["settings"]["study"]["shaping"] == told
+            kinds = [line["kind"] for line in welcome["state"]]
+            assert ("shaping.changed" in kinds) == (told is not None)
+
+
 class _Silent:
     def record(self, message: m.Message, line: bytes) -> None: ...
+
+
+def delay_on(hub: Hub, seed: int = 7) -> ResponseDelay:
+    delay = ResponseDelay(hub, seed)
+    hub.listen(delay.hear, *ResponseDelay.HEARS)
+    return delay
 
 
 @given(
@@ -302,7 +349,7 @@ def test_nothing_begins_before_the_floor_and_nothing_waits_longer_than_floor_and
     wrong: list[object] = []
 
     def see(line: m.Message) -> None:
-        if isinstance(line, m.ActionHeld):
+        if isinstance(line, ActionHeld):
             announced[line.run] = line.until
 
     async def scene() -> None:
@@ -310,8 +357,8 @@ def test_nothing_begins_before_the_floor_and_nothing_waits_longer_than_floor_and
         hub.listen(see)
         # What fails in a timer would else be told to nobody.
         asyncio.get_running_loop().set_exception_handler(lambda loop, told: wrong.append(told))
-        shaper = ResponseDelay(hub, seed=7)
-        hub.publish(m.ShapingChanged(floor_us=floor, jitter_us=jitter, cues=["marker"]))
+        shaper = delay_on(hub)
+        hub.publish(ShapingChanged(floor_us=floor, jitter_us=jitter, cues=["marker"]))
         last = -(10**9)
         for number, (pause, is_cue) in enumerate(course):
             await asyncio.sleep(pause / 1_000_000)
@@ -343,7 +390,7 @@ def held_by(scene: Callable[[Hub, ResponseDelay], Awaitable[None]]) -> None:
 
     async def whole() -> None:
         hub = Hub(LoopClock(asyncio.get_running_loop()), _Silent().record)
-        await scene(hub, ResponseDelay(hub, seed=7))
+        await scene(hub, delay_on(hub))
         await asyncio.sleep(60)
 
     run_virtual(whole())
@@ -351,7 +398,7 @@ def held_by(scene: Callable[[Hub, ResponseDelay], Awaitable[None]]) -> None:
 
 def cued(hub: Hub, floor: float) -> None:
     floor_us = round(floor * SECOND)
-    hub.publish(m.ShapingChanged(floor_us=floor_us, jitter_us=0, cues=["marker"]))
+    hub.publish(ShapingChanged(floor_us=floor_us, jitter_us=0, cues=["marker"]))
     hub.publish(m.Marker(text="go"))
 
 
@@ -388,7 +435,7 @@ def test_nothing_passes_what_is_held_where_the_file_holds_nothing_any_more() -> 
     async def scene(hub: Hub, shaper: ResponseDelay) -> None:
         cued(hub, 2)
         assert shaper.hold("r1", "x", "key", lambda: begun.append("r1"))
-        hub.publish(m.ShapingChanged(floor_us=0, jitter_us=0, cues=[]))
+        hub.publish(ShapingChanged(floor_us=0, jitter_us=0, cues=[]))
         assert shaper.hold("r2", "x", "key", lambda: begun.append("r2"))
 
     held_by(scene)
@@ -401,7 +448,7 @@ def test_nothing_passes_what_is_held_and_whose_moment_has_just_come() -> None:
     async def whole() -> None:
         clock = ManualClock()
         hub = Hub(clock, _Silent().record)
-        shaper = ResponseDelay(hub, seed=7)
+        shaper = delay_on(hub)
         cued(hub, 2)
         assert shaper.hold("r1", "x", "key", lambda: begun.append("r1"))
         clock.advance(2.1)  # the loop has had no turn yet
@@ -436,10 +483,10 @@ def test_the_same_seed_gives_the_same_moments() -> None:
         async def scene() -> None:
             hub = Hub(LoopClock(asyncio.get_running_loop()), _Silent().record)
             hub.listen(
-                lambda line: found.append(line.until) if isinstance(line, m.ActionHeld) else None
+                lambda line: found.append(line.until) if isinstance(line, ActionHeld) else None
             )
-            shaper = ResponseDelay(hub, seed)
-            hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=SECOND, cues=["marker"]))
+            shaper = delay_on(hub, seed)
+            hub.publish(ShapingChanged(floor_us=SECOND, jitter_us=SECOND, cues=["marker"]))
             for number in range(5):
                 hub.publish(m.Marker(text="go"))
                 shaper.hold(f"r{number}", "x", "key", lambda: None)

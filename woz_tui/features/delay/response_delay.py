@@ -13,9 +13,11 @@ import random
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import Verb
+from woz_tui.features.delay.kinds import ActionHeld, ShapingChanged
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import BY_ITSELF
 
@@ -40,23 +42,28 @@ class ResponseDelay:
     """Holds what answers the last cue too soon, as `shaping.changed` says.
 
     Args:
-        hub: Whose messages are cues and settings, and where it is told what is held.
+        hub: Where it is told what is held, and what time it is.
         seed: Of the jitter.
     """
+
+    #: What it has to hear: settings and cues.
+    HEARS: ClassVar[tuple[type[m.Message], ...]] = (
+        *(ShapingChanged, m.SpeechEnded, m.EngagementChanged, m.Marker),
+    )
 
     def __init__(self, hub: Hub, seed: int) -> None:
         self._hub = hub
         self._random = random.Random(f"{seed} shaping")
-        self._settings = m.ShapingChanged(floor_us=0, jitter_us=0, cues=[])
+        self._settings = ShapingChanged(floor_us=0, jitter_us=0, cues=[])
         self._cue: PendingCue | None = None
         #: What is held, each with its cue and the moment at which it begins.
         self._held: deque[tuple[PendingCue, str, Callable[[], object]]] = deque()
         self._timer: asyncio.TimerHandle | None = None
-        hub.listen(self._on_message, m.ShapingChanged, m.SpeechEnded, m.EngagementChanged, m.Marker)
 
-    def _on_message(self, message: m.Message) -> None:
+    def hear(self, message: m.Message) -> None:
+        """One of `HEARS`."""
         match message:
-            case m.ShapingChanged():
+            case ShapingChanged():
                 self._settings, self._cue = message, None
             case m.SpeechEnded(ended=ended):
                 self._cued("speech", ended)
@@ -87,7 +94,7 @@ class ResponseDelay:
         elif cue.until <= self._hub.now():
             return False
         self._hub.publish(
-            m.ActionHeld(run=run, action=name, sort=cue.sort, cued=cue.cued, until=cue.until)
+            ActionHeld(run=run, action=name, sort=cue.sort, cued=cue.cued, until=cue.until)
         )
         self._held.append((cue, run, begin))
         self._wait()

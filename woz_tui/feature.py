@@ -56,6 +56,7 @@ class Feature:
         kinds: A `protocol.kinds.FeatureKinds`: its messages and requests. Its module may need the
             protocol and msgspec alone.
         section: A `config.feature_section.FeatureSection`: its keys of the experiment file.
+        words: Its section of the language files (`config.languages`).
         keys: A file with its keys of the console, made like `config/keys/builtin_keys.json`.
         sentences: What the console's list of events says of its messages, made like
             `console.state.event_sentences.SENTENCES`.
@@ -73,6 +74,7 @@ class Feature:
     name: ClassVar[str]
     kinds: ClassVar[str] = ""
     section: ClassVar[str] = ""
+    words: ClassVar[str] = ""
     keys: ClassVar[str] = ""
     sentences: ClassVar[str] = ""
     console: ClassVar[str] = ""

@@ -288,7 +288,7 @@ def test_no_repair_needs_altgr_or_has_a_key_that_the_demo_plays(
     found = key_map(demo.panels, terminal, layout)
     played = {entry.press for entry in found.actions.values()}
     keyboard = keys.LAYOUTS[layout]
-    for action in demo.repairs:
+    for action in demo.beside_panels:
         press = found.builtins[action.name.replace(" ", "_", 1)].press
         assert press
         assert press not in played

@@ -13,7 +13,7 @@ from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.widgets.bottom_rows import script_rows
 from woz_tui.console.widgets.main_screen import (
-    REPAIRS,
+    ACTIONS,
     SCRIPT_BAR,
     STATUS,
     Needs,
@@ -44,7 +44,7 @@ def test_the_upper_row_leaves_room_below(width: int, height: int, panels: int, m
     lines = upper_lines(Size(width, height), Needs(panels, meters, bar=SCRIPT_BAR))
     assert lines >= 3
     if height >= 24:
-        assert height - STATUS - REPAIRS - SCRIPT_BAR - lines >= 7
+        assert height - STATUS - ACTIONS - SCRIPT_BAR - lines >= 7
 
 
 async def test_at_80_by_24_panels_have_ten_lines_and_the_next_sentence_two() -> None:
@@ -53,11 +53,11 @@ async def test_at_80_by_24_panels_have_ten_lines_and_the_next_sentence_two() -> 
     ) as pilot:
         regions = {
             name: pilot.console.query_one(name).region
-            for name in ("ActionPanels", "Meters", "EventList", "RepairRow", "StopBar")
+            for name in ("ActionPanels", "Meters", "EventList", "ActionRow", "StopBar")
         }
         assert regions["ActionPanels"].height == 10
         assert regions["Meters"].height == regions["EventList"].height == 7
-        assert regions["RepairRow"].height == 1
+        assert regions["ActionRow"].height == 1
         assert regions["StopBar"].height == 4
         await pilot.tell(
             scenes.actions_filled("Map", "All day long I " + "wait and " * 10 + "greet you.")

@@ -13,10 +13,10 @@ from tests.session.rig import HERE, SessionRig, action, call, experiment, togeth
 from tests.session.test_superseding import LaneDriver
 from woz_tui.bml.behaviour_calls import BmlTable, TableCall
 from woz_tui.config.experiment import Action, Panel, TextVariants
-from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.features.profiles.in_session import ProfileInUse
 from woz_tui.features.profiles.section import PROFILES, Profile
+from woz_tui.features.repairs.section import INTERRUPT, LABELS, PANEL
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
@@ -303,7 +303,7 @@ def test_a_planners_block_that_replaces_leaves_the_wizards_alone(tmp_path: Path)
 def test_an_interruption_ends_a_planners_block(tmp_path: Path) -> None:
     async def play(rig: SessionRig) -> None:
         interrupt = Action(INTERRUPT, LABELS[INTERRUPT], "", PANEL, (), HERE)
-        rig.session.experiment = replace(rig.session.experiment, repairs=(interrupt,))
+        rig.session.experiment = replace(rig.session.experiment, beside_panels=(interrupt,))
         rig.session.send("bml", {"block": GREET}, "", PLANNER)
         await asyncio.sleep(0.5)
         rig.session.play(INTERRUPT, KEY)

@@ -456,12 +456,12 @@ def test_it_is_told_with_which_voice_and_only_once_of_each(tmp_path: Path) -> No
     again = action("Again", together(call("say", text="Hello {participant}", voice="ben")))
     panel = replace(made.panels[0], actions=(one, other, again))
     said = utterances(
-        replace(made, panels=(panel,), repairs=()), VariableValues({"participant": "P08"})
+        replace(made, panels=(panel,), beside_panels=()), VariableValues({"participant": "P08"})
     )
     assert [*said.values()] == [
         [{"text": "Hello P08", "voice": "anna"}, {"text": "Hello P08", "voice": "ben"}]
     ]
-    assert utterances(replace(made, panels=(panel,), repairs=()), VariableValues({})) == {}
+    assert utterances(replace(made, panels=(panel,), beside_panels=()), VariableValues({})) == {}
 
 
 def test_stale_presses_of_all_kinds_are_refused_and_logged(tmp_path: Path) -> None:

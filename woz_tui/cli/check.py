@@ -118,7 +118,7 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
         if arguments.terminal
         else keys.detect_terminal(os.environ)
     )
-    own = keys.builtin_keys_with([action.name for action in experiment.repairs], builtins)
+    own = keys.builtin_keys_with([action.name for action in experiment.beside_panels], builtins)
     keymap = keys.key_map(experiment.panels, terminal, layout, own)
     if arguments.format == "json":
         print(json.dumps(_report(experiment, keymap, terminal, layout), indent=2))
@@ -293,6 +293,12 @@ def verb_rows(verbs: Sequence[Verb]) -> list[tuple[Text, Text]]:
     ]
 
 
+def _beside_panels(experiment: Experiment) -> Iterator[tuple[Action, keys.BuiltinKey]]:
+    """Actions beside the panels that have a key of the console."""
+    for action in experiment.beside_panels:
+        yield from ((action, item) for item in keys.BUILTIN_KEYS if item.action == action.name)
+
+
 def _keys_table(experiment: Experiment, keymap: keys.KeyMap) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     table.add_column("panel", overflow="fold", style="dim")
@@ -312,14 +318,15 @@ def _keys_table(experiment: Experiment, keymap: keys.KeyMap) -> Table:
                 _action_cell(action, assigned, main_names),
                 end_section=index == len(panel.actions) - 1,
             )
-    for index, action in enumerate(experiment.repairs):
-        own = action.name.replace(" ", "_", 1)
-        assigned, builtin = keymap.builtins[own], keys.builtin_key(own)
+    above = ""
+    for action, own in _beside_panels(experiment):
+        assigned = keymap.builtins[own.id]
         does = _action_cell(action, assigned, main_names)
-        if builtin is not None and not action.steps:
-            does = Text(builtin.description.removeprefix("repair: ")).append_text(does)
+        if not action.steps:
+            does = Text(own.description.rpartition(": ")[2]).append_text(does)
+        heading, above = "" if action.panel == above else action.panel, action.panel
         table.add_row(
-            Text(action.panel if index == 0 else ""),
+            Text(heading),
             Text(f"{assigned.press}*" if assigned.reserve else assigned.press or "-"),
             Text(keys.describe_bytes(assigned.data)),
             Text(action.label),

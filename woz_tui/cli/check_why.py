@@ -74,11 +74,11 @@ def _questions(
     actions = actions_on(key, experiment.actions, experiment.keyboard)
     named = experiment.action(key)
     for action in [*actions, *([named] if named is not None and named not in actions else [])]:
-        repair = action in experiment.repairs
+        beside = action in experiment.beside_panels
         yield (
             f"{action.label} ({action.key or 'no key'}, panel {action.panel})",
             [
-                (each, PlayAction(action.name, action, _origin(each), repair=repair))
+                (each, PlayAction(action.name, action, _origin(each), beside_panels=beside))
                 for each in moments
             ],
         )

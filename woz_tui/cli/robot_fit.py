@@ -30,7 +30,7 @@ _ROWS, _LABELS, _COLUMN = 20, (8, 18), 5
 
 
 def actions_of(experiment: Experiment) -> list[Action]:
-    """The actions whose table is shown: all but the repairs that need no verb."""
+    """The actions whose table is shown: all but those that need no verb."""
     return [action for action in experiment.actions if action.steps]
 
 

@@ -314,8 +314,8 @@ class Experiment:
     #: In which the console speaks to participants, and its words.
     language: str = "en"
     words: QuestionnaireWords = field(default_factory=QuestionnaireWords)
-    #: Moves that save a dialogue; those without steps depend on what was said.
-    repairs: tuple[Action, ...] = ()
+    #: Actions of features; a feature plays those without steps.
+    beside_panels: tuple[Action, ...] = ()
     session: SessionSettings = field(default_factory=SessionSettings)
     #: Sensors, and `engagement` or `pose`, that stand first among the meters.
     sensors: tuple[str, ...] = ()
@@ -346,10 +346,10 @@ class Experiment:
 
     @property
     def actions(self) -> list[Action]:
-        """All actions: those of the panels, the repairs, what entering a state plays."""
+        """All actions: those of the panels and beside them, what entering a state plays."""
         effects = self.engagement.effects.values() if self.engagement is not None else ()
         of_panels = [action for panel in self.panels for action in panel.actions]
-        return [*of_panels, *self.repairs, *effects]
+        return [*of_panels, *self.beside_panels, *effects]
 
     @property
     def parts(self) -> list[str]:
@@ -362,7 +362,7 @@ class Experiment:
             for action in panel.actions:
                 if action.name == name:
                     return action
-        return next((action for action in self.repairs if action.name == name), None)
+        return next((action for action in self.beside_panels if action.name == name), None)
 
     def phase(self, name: str) -> Phase | None:
         """The phase called `name`, or None."""

@@ -155,11 +155,6 @@ class ExperimentKeys(Study, Entry):
         Doc("groups of actions, in the order of the screen"),
     ]
     script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()
-    repairs: Annotated[
-        Any,
-        ReadApart("repairs"),
-        Doc("moves that save a dialogue; without this section: repeat and interrupt"),
-    ] = None
     phases: Annotated[
         tuple[Phase, ...],
         ReadApart(),

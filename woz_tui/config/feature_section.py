@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from woz_tui.config.experiment import Experiment, Panel
+from woz_tui.config.condition_texts import Variables
+from woz_tui.config.experiment import Action, Experiment, Panel, Step
+from woz_tui.config.file_position import FilePosition
+from woz_tui.config.languages import Language
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.contract import Verb
 
@@ -18,13 +21,19 @@ class FileContents:
     """What else stands in the file, for a section that names some of it.
 
     `verbs`: of all drivers, and those that need none. `sensors`: names of all that drivers publish;
-    None: nobody knows. `complete`: the robot files are right. Else a driver is missing here, and
-    what only it knows must not be called unknown: that would hide the mistake that is there.
+    None: nobody knows. `place`: where the file begins. `step`: reads the verbs of an entry, which
+    has a table, and whom it names. `complete`: the robot files are right. Else a driver is missing
+    here, and what only it knows must not be called unknown: that would hide the mistake that is
+    there.
     """
 
     panels: Sequence[Panel]
     verbs: Sequence[Verb]
-    sensors: Collection[str] | None = None
+    sensors: Collection[str] | None
+    language: Language
+    variables: Variables
+    place: FilePosition
+    step: Callable[[Cursor, dict[str, Cursor], Cursor | None], Step | None]
     complete: bool = True
 
 
@@ -61,6 +70,14 @@ class FeatureSection(Generic[S]):
         feature (`gate.facts.Facts.features`).
         """
         return ()
+
+    def actions(self, section: S) -> Sequence[Action]:
+        """Actions beside those of the panels; the feature plays those without steps."""
+        return ()
+
+    def schemas(self) -> Mapping[str, Any]:
+        """JSON schemas of keys that are marked `ReadApart`, by its name for them."""
+        return {}
 
     def study(self, section: S) -> Mapping[str, Any]:
         """Fields of `welcome.StudySettings` that it fills."""

@@ -23,7 +23,7 @@ from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_section import ENTERED, ON_ENTER
 from woz_tui.config.experiment import OWN_PROCESS, SHARED_PROCESS, DriverPlace
 from woz_tui.config.experiment_file import TOP_LEVEL, ActionEntry, ExperimentFile
-from woz_tui.config.languages import SPOKEN, Language
+from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.performers import BML
 from woz_tui.config.robots import AT, NAMED, PROCESS
 from woz_tui.config.session_verbs import BML_VERB, WAIT, engagement_verbs, session_verbs
@@ -32,6 +32,7 @@ from woz_tui.config.study_sections import NAME_PATTERN
 from woz_tui.config.study_words import CUES
 from woz_tui.drivers import fields
 from woz_tui.drivers.contract import Argument, Driver, Verb
+from woz_tui.feature import pieces
 from woz_tui.protocol.messages import Json
 
 Schema = dict[str, Any]
@@ -217,7 +218,11 @@ def experiment_schema(
             "robot_or_file": _ROBOT_OR_FILE,
             "engagement": _engagement(),
             "answers": _answers(),
-            "repairs": _repairs(),
+            **{
+                name: schema
+                for section in pieces("section", FeatureSection).values()
+                for name, schema in section.schemas().items()
+            },
             "name": {"type": "string", "pattern": f"^{NAME_PATTERN.pattern}$"},
             "key": _KEY,
             "on": _ON,
@@ -302,34 +307,6 @@ def _bml() -> Schema:
             | {TOPICS: {**TEXT, "description": TOPICS_WORDS}}
         ),
         "description": "what behaviours of BML stand for; what is not said is as usual",
-    }
-
-
-def _repairs() -> Schema:
-    """The language, and what is said otherwise."""
-    english = Language(None, pathlib.Path(), []).repairs()
-    return {
-        **mapping(
-            {
-                "language": {
-                    **TEXT,
-                    "description": "of the sentences that are not given here; the file's",
-                },
-                "on": {**TEXT, "description": "who speaks, where several drivers can"},
-                "without": {
-                    "type": "array",
-                    "items": {"enum": list(SPOKEN)},
-                    "description": "those that are left out",
-                },
-                **{
-                    name: {
-                        "type": ["string", "object"],
-                        "description": f"in English: {english[name]}",
-                    }
-                    for name in SPOKEN
-                },
-            }
-        )
     }
 
 

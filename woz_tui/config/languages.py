@@ -1,5 +1,5 @@
 """The language of an experiment: what the console shows to participants by itself, and what the
-robot says to save a dialogue.
+robot says by itself.
 
 Files in `woz_tui/languages`, one for each language; `CODE.language.yaml` beside an experiment is
 another language, or has other words for one of ours. What a file leaves out is English.
@@ -8,7 +8,7 @@ another language, or has other words for one of ours. What a file leaves out is 
 from __future__ import annotations
 
 import string
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
@@ -16,14 +16,14 @@ import msgspec
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.yaml_cursor import Cursor, document, read_filled, read_text
+from woz_tui.feature import features
 from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords
 
 FOLDER = Path(__file__).parents[1] / "languages"
 DEFAULT = "en"
 #: Sections of a language file, each with its words.
-QUESTIONNAIRE, REPAIRS = SECTIONS = ("questionnaire", "repairs")
-#: Repairs that have a sentence.
-SPOKEN = ("filler", "yes", "no", "dont_know", "please_repeat")
+QUESTIONNAIRE = "questionnaire"
+SECTIONS = (QUESTIONNAIRE, *(each.words for each in features().values() if each.words))
 _SUFFIX = ".language.yaml"
 
 
@@ -86,17 +86,17 @@ class Language:
                     words.setdefault(name, text)
         return msgspec.structs.replace(ENGLISH, **words)
 
-    def repairs(self) -> dict[str, str]:
-        """What the robot says to save a dialogue, by the repair's name."""
+    def sentences(self, name: str, of: Sequence[str]) -> dict[str, str]:
+        """The sentences `of` these names in a section, by name."""
         said: dict[str, str] = {}
-        for section in self.section(REPAIRS):
-            table = section.fields(SPOKEN, "repairs are", "sentences by their names") or {}
-            for name in (name for name in table if name in SPOKEN):
-                text = read_filled(table[name])
+        for section in self.section(name):
+            table = section.fields(of, f"{name} are", "sentences by their names") or {}
+            for each in (each for each in table if each in of):
+                text = read_filled(table[each])
                 if text is not None:
-                    said.setdefault(name, text)
-        if len(said) < len(SPOKEN):
-            english = _ours(DEFAULT)[REPAIRS].table() or {}
+                    said.setdefault(each, text)
+        if len(said) < len(of):
+            english = _ours(DEFAULT)[name].table() or {}
             said = {name: read_filled(cursor) or "" for name, cursor in english.items()} | said
         return said
 

@@ -31,7 +31,6 @@ from woz_tui.config.languages import Language
 from woz_tui.config.performers import BML, ENGAGEMENT, SESSION
 from woz_tui.config.phases import read_phases
 from woz_tui.config.problems import ProblemReport, quoted
-from woz_tui.config.repairs import RepairReader
 from woz_tui.config.robots import RobotReader, Robots, VerbOffer
 from woz_tui.config.sensor_names import check_shown, published_names
 from woz_tui.config.session_verbs import BML_VERB, engagement_verbs, session_verbs
@@ -180,7 +179,20 @@ class _ExperimentDecoder:
         offered = [verb for spec in robots.drivers for verb in spec.offer.verbs]
         verbs = [*offered, *(offer.verb for offer in vocabulary.own.values())]
         sensors = _published(playing)
-        contents = FileContents(read, verbs, sensors, complete=not robots.incomplete)
+        contents = FileContents(
+            read,
+            verbs,
+            sensors,
+            language,
+            variables,
+            root.place,
+            steps.together,
+            complete=not robots.incomplete,
+        )
+        sections = {
+            section: section.read(table, file, contents)
+            for section in pieces("section", FeatureSection).values()
+        }
         verb_names = {verb.name for verb in verbs} if contents.complete else None
         actions = {draft.action.name: draft.action for draft in panels.drafts}
         reader = EngagementReader(vocabulary, steps, actions)
@@ -205,19 +217,13 @@ class _ExperimentDecoder:
             keyboard=file.keyboard,
             language=language.code,
             words=words,
-            repairs=RepairReader(vocabulary, steps, language).read(
-                table.get("repairs"),
-                root.place,
-                [draft.action for draft in panels.drafts],
-                variables,
+            beside_panels=tuple(
+                action for section, said in sections.items() for action in section.actions(said)
             ),
             session=file.session,
             sensors=file.sensors,
             steps=file.steps,
-            sections={
-                section: section.read(table, file, contents)
-                for section in pieces("section", FeatureSection).values()
-            },
+            sections=sections,
             engagement=engagement,
             study=read_study(file, table, around),
             files=tuple(source.path.absolute() for source in self._sources),

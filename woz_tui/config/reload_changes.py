@@ -72,7 +72,6 @@ _COLLECTIONS: Mapping[str, Callable[[Experiment], Mapping[str, object]]] = {
     "variable": lambda read: {**read.variables, **read.by_condition},
     "block of BML": lambda read: read.blocks,
     "BML table of": lambda read: {name or "the robot": it for name, it in read.bml.items()},
-    "repair": lambda read: {action.label: _essences(action) for action in read.repairs},
     "questionnaire": lambda read: {each.name: each for each in read.study.questionnaires},
     "preflight": lambda read: dict.fromkeys(read.study.preflight),
     "phase": lambda read: {phase.name: phase for phase in read.phases},
@@ -122,7 +121,7 @@ def _engagement(old: Engagement, new: Engagement) -> Iterable[str]:
     after = {action.name: action for action in new.effects.values()}
     yield from _came_and_went("effect", before, after)
     for name, action in after.items():
-        if name in before and _essences(before[name]) != _essences(action):
+        if name in before and essences(before[name]) != essences(action):
             yield f"effect {name!r} does something else"
     for state in dict.fromkeys([*old.plays, *new.plays]):
         was, now = old.plays.get(state, ()), new.plays.get(state, ())
@@ -238,7 +237,7 @@ def _action(old: Action, new: Action) -> Iterable[str]:
     if was and now and was != now:
         yield f"says: {' / '.join(was)} -> {' / '.join(now)}"
         old, new = _without_words(old), _without_words(new)
-    if _essences(old) != _essences(new):
+    if essences(old) != essences(new):
         yield "does something else"
 
 
@@ -266,7 +265,8 @@ def _without_words(action: Action) -> Action:
     return dataclasses.replace(action, steps=tuple(steps))
 
 
-def _essences(action: Action) -> list[object]:
+def essences(action: Action) -> list[object]:
+    """What an action does, without the places in the file, which move with every line above."""
     return [*map(_essence, action.steps)]
 
 

@@ -323,12 +323,12 @@ class Console(ScreenApp):
     def _adopt(self) -> None:
         """A new set of panels: bind its keys and show their caps."""
         state = self.state
-        repairs = [action.name for action in state.settings.repairs]
-        own = builtin_keys_with(repairs, self._builtins)
+        beside = [action.name for action in state.settings.beside_panels]
+        own = builtin_keys_with(beside, self._builtins)
         warned = self.keymap.warnings  # told already: at each return of the line all is adopted
         self.keymap = key_map(state.panels, self.terminal, state.plan.keyboard, own)
-        self._main_screen.repairs.keys = {
-            name: self._key(name.replace(" ", "_", 1)) for name in repairs
+        self._main_screen.actions.keys = {
+            item.action: self._key(item.id) for item in own if item.action
         }
         self.caps = {name: cap_of(found) for name, found in self.keymap.actions.items()}
         self._panels.bear(self.caps)

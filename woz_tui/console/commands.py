@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pkgutil import resolve_name
 from typing import Any
 
-from woz_tui.config.keys.console_keys import BuiltinKey, builtin_key
+from woz_tui.config.keys.console_keys import BuiltinKey, builtin_key, played_by
 from woz_tui.console.drawing.theme import CHOICES, save_theme
 from woz_tui.console.input.keyboard import KeyPress
 from woz_tui.console.screens.dialog import (
@@ -128,20 +128,6 @@ def _play_script(press: KeyPress) -> AskScript:
     return AskScript(**press.fields)
 
 
-def _repair(move: str, run: Run | None = None) -> ConsoleCommand:
-    def ask(press: KeyPress) -> AskAction:
-        return AskAction(action=f"repair {move}", source="key", **press.fields)
-
-    # What the screen carries out passes the keyboard twice, so it cannot count once there.
-    return _row(f"repair_{move}", run, sends=None if run else ask, once=run is None)
-
-
-def _interrupt(app: ConsoleApp) -> None:
-    """End what is being said, and type what is said instead."""
-    app.requests.ask(AskAction(action="repair interrupt", source="key", key=app.key_of(_INTERRUPT)))
-    opens("screens.say:SayDialog")(app)
-
-
 def _cut(app: ConsoleApp) -> None:
     """Cut the last run short."""
     active = app.state.runs.active
@@ -174,8 +160,6 @@ def _colours(name: str, choice: str, words: str) -> ConsoleCommand:
 
     return ConsoleCommand((BuiltinKey(name, "", words),), run, users=WATCHER)
 
-
-_INTERRUPT = "repair_interrupt"
 
 _COMMANDS = (
     _row(
@@ -223,8 +207,6 @@ _COMMANDS = (
         users=WATCHER,
     ),
     _row("queue_empty", sends=lambda press: AskEmptyQueue()),
-    *map(_repair, ("repeat", "reword", "filler", "yes", "no", "dont_know", "please_repeat")),
-    _repair("interrupt", _interrupt),
     _row(
         "take_over",
         sends=lambda press: AskTakeOver(),
@@ -322,10 +304,21 @@ _COMMANDS = (
 
 
 def _of_feature(command: FeatureCommand) -> ConsoleCommand:
+    action = played_by(command.key)
+
+    def ask(press: KeyPress) -> AskAction:
+        return AskAction(action=action, source="key", **press.fields)
+
     def run(app: ConsoleApp) -> None:
+        if action:
+            key = app.key_of(command.key)
+            app.requests.ask(AskAction(action=action, source="key", key=key))
         app.open_dialog(resolve_name(command.opens)())
 
     users = WATCHER if command.watchers else WIZARD
+    if not command.opens:
+        return _row(command.key, sends=ask, once=True, also=command.also, users=users)
+    # What the screen carries out passes the keyboard twice, so it cannot count once there.
     return _row(command.key, run, also=command.also, users=users)
 
 

@@ -88,8 +88,8 @@ class ReleaseStop:
 @dataclass(frozen=True, slots=True)
 class PlayAction:
     """An action by its name, from a key, a line of a script, a program, a phase; `action`: None
-    where the file has none. `at`: the moment for which it is asked, 0: now. `repair`: it saves a
-    dialogue, and is no panel's. `under_way`: its key counts once, and it waits or is running.
+    where the file has none. `at`: the moment for which it is asked, 0: now. `beside_panels`:
+    it is a feature's, and no panel's. `under_way`: its key counts once, and it waits or is running.
     """
 
     name: str
@@ -97,7 +97,7 @@ class PlayAction:
     origin: RequestOrigin
     stale: str = ""
     at: int = 0
-    repair: bool = False
+    beside_panels: bool = False
     under_way: Literal["", "waits", "is running"] = ""
 
 

@@ -253,7 +253,7 @@ def another_plays_action(facts: Facts, asked: PlayAction) -> Refusal | None:
         return None
     title = asked.action.panel
     panel = next((each for each in facts.panels if each.title == title), None)
-    if panel is None:  # a repair: it says something
+    if panel is None:  # beside the panels: it says something
         return _not_played(facts, asked, "say", "")
     found = panel_players(panel, facts.panels, players)
     if console in found:

@@ -148,7 +148,6 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
                 spec.name: {verb.name: verb.lane for verb in spec.offer.verbs}
                 for spec in experiment.drivers
             },
-            repairs=[action_view(action) for action in experiment.repairs],
             engagement=engagement_limits(experiment),
             phases=msgspec.convert(experiment.phases, list[PhaseView], from_attributes=True),
             sensors=[*experiment.sensors],

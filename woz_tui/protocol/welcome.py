@@ -219,3 +219,8 @@ class WelcomeSettings(msgspec.Struct, frozen=True, kw_only=True):
     sensors: list[str] = []
     study: StudySettings = StudySettings()
     replay: ReplayedLog | UnsetType = UNSET
+
+    @property
+    def beside_panels(self) -> list[ActionView]:
+        """Actions of features, which stand on no panel."""
+        return self.repairs

@@ -55,7 +55,7 @@ def utterances(
         if verb.name == SAY
     }
     actions = [action for panel in experiment.panels for action in panel.actions]
-    for action in (*actions, *experiment.repairs):
+    for action in (*actions, *experiment.beside_panels):
         for call in action.calls:
             for written in _written(call, TEXT, values) if call.verb == SAY else ():
                 if said := _filled({**call.args, TEXT: written}, values):
@@ -247,7 +247,7 @@ class ActionTexts:
         self._published = [values.get(name) for name in _MOVING]
         experiment = self._experiment()
         actions = [action for panel in experiment.panels for action in panel.actions]
-        actions += experiment.repairs
+        actions += experiment.beside_panels
         for first in range(0, len(actions), AT_ONCE):
             self._publish(actions[first : first + AT_ONCE])
 

@@ -47,7 +47,6 @@ from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Forecaster, Kept, predicted
 from woz_tui.session.recent_messages import UNLISTED, RecentMessages
-from woz_tui.session.repair_control import RepairController
 from woz_tui.session.script_control import ScriptController
 from woz_tui.session.session_driver import VERBS, SessionPerformer
 from woz_tui.session.session_features import SessionFeatures
@@ -200,12 +199,8 @@ class Session:
         self.features = SessionFeatures(self)
         deadline = self.experiment.session.deadline
         self.runner = ActionRunner(self.hub, self.bus, self.texts, deadline, self.features)
-        self.repairs = RepairController(
-            lambda: self.experiment, self.state, self.runner, self.texts
-        )
         self.last_act = LastAct(self.state, self.bus, self.runner)
-        for listener in (self.repairs.on_dispatched, self.last_act.on_dispatched):
-            self.hub.listen(listener, m.Dispatched)
+        self.hub.listen(self.last_act.on_dispatched, m.Dispatched)
         robot.bus, robot.runner, robot.texts = self.bus, self.runner, self.texts
         self.blocks.bus, self.blocks.runner = self.bus, self.runner
         #: The last command of each control of a panel, by driver and control.
@@ -304,8 +299,8 @@ class Session:
         `tells`.
         """
         action = self.experiment.action(name)
-        repair = action in self.experiment.repairs
-        question = PlayAction(name, action, origin, stale, at, repair)
+        beside = action in self.experiment.beside_panels
+        question = PlayAction(name, action, origin, stale, at, beside)
         if action and origin.source == "key" and origin.key and not (when_busy or action.when_busy):
             question = replace(question, under_way=self._under_way(action))
         if (refusal := why_not(self.facts(), question)) is not None:
@@ -318,8 +313,8 @@ class Session:
                 raise RequestError(f"{name!r} not played ({stale})", refusal.remedy)
             raise RequestError.of(refusal)
         assert action is not None
-        if not action.steps and repair:
-            return self.repairs.play(action, origin, when_busy, at)
+        if not action.steps and beside:
+            return self.features.play(action, origin, when_busy, at)
         again = partial(self._no_action, name, origin)
         if text:
             action = self.texts.edited(action, text, tells)
@@ -346,8 +341,8 @@ class Session:
     def _no_action(self, name: str, origin: RequestOrigin) -> Refusal | None:
         """Why this hand may not play it at the moment; None: it may."""
         action = self.experiment.action(name)
-        repair = action in self.experiment.repairs
-        return why_not(self.facts(), PlayAction(name, action, origin, repair=repair))
+        beside = action in self.experiment.beside_panels
+        return why_not(self.facts(), PlayAction(name, action, origin, beside_panels=beside))
 
     def facts(self) -> Facts:
         """What holds now, for the gate."""

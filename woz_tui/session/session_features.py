@@ -10,12 +10,15 @@ from typing import Any, ClassVar, Protocol, TypeVar, cast
 
 from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
-from woz_tui.config.experiment import Experiment
+from woz_tui.config.experiment import Action, Experiment
 from woz_tui.drivers.contract import Verb
 from woz_tui.feature import left_out, pieces
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import Request
+from woz_tui.session.action_runner import ActionRunner
+from woz_tui.session.action_texts import ActionTexts
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.timeline.session_state import SessionState
 
@@ -37,12 +40,14 @@ class Client:
 
 
 class FeatureSession(Protocol):
-    """What features may use of a session."""
+    """What features may use of a session; `runner` and `texts` come after the features."""
 
     experiment: Experiment
     hub: Hub
     state: SessionState
     identity: SessionIdentity
+    runner: ActionRunner
+    texts: ActionTexts
     #: Shows consoles the panels as they are now.
     on_panels: Callable[[], None]
 
@@ -78,6 +83,12 @@ class SessionFeature:
     def carry_out(self, request: Any, client: Client) -> str:
         """Do what is asked; the id of the run or command that it has begun, if any."""
         raise RequestError(f"{type(request).__name__} cannot be used here")
+
+    def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str | None:
+        """Play an action of its own that has no steps; the run's id, or None: it is not its own.
+        Raises `RequestError`. `at`: for which moment it was asked; 0: for now.
+        """
+        return None
 
     def adopt(self, experiment: Experiment) -> None:
         """The session goes on with a file that was read again."""
@@ -167,6 +178,16 @@ class SessionFeatures:
         if run is None:
             raise RequestError(f"{name} failed and is not used any more", IN_HOST_LOG)
         return run
+
+    def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str:
+        """Have a feature play an action of its own that has no steps; the run's id. Raises
+        `RequestError`.
+        """
+        for name, feature in [*self._all.items()]:
+            run = self._safely(name, feature.play, None, action, origin, when_busy, at)
+            if run is not None:
+                return run
+        raise RequestError(f"{action.name!r} is played by a feature that failed", IN_HOST_LOG)
 
     def adopt(self, experiment: Experiment) -> None:
         """The session goes on with a file that was read again."""

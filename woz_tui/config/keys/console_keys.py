@@ -17,7 +17,8 @@ class BuiltinKey:
 
     `reserves` are taken, in this order, on terminals where `chord` cannot arrive. `yields`: an
     experiment may have `chord` for an action of its own; this key then goes to a reserve. `last`:
-    it yields to the console's other keys too, and to their reserves.
+    it yields to the console's other keys too, and to their reserves. `action`: the key plays this
+    one, and is there only where the experiment has it.
     """
 
     id: str
@@ -27,6 +28,7 @@ class BuiltinKey:
     reserves: tuple[str, ...] = ()
     yields: bool = False
     last: bool = False
+    action: str = ""
 
 
 def _keys() -> tuple[BuiltinKey, ...]:
@@ -45,12 +47,14 @@ def builtin_key(name: str) -> BuiltinKey | None:
     return next((item for item in BUILTIN_KEYS if item.id == name), None)
 
 
+def played_by(name: str) -> str:
+    """The action that the console's key with this id plays; empty: none."""
+    item = builtin_key(name)
+    return item.action if item is not None else ""
+
+
 def builtin_keys_with(
-    repairs: Collection[str], builtins: Iterable[BuiltinKey]
+    actions: Collection[str], builtins: Iterable[BuiltinKey]
 ) -> tuple[BuiltinKey, ...]:
-    """`builtins` without the keys of repairs that the experiment does not have."""
-    return tuple(
-        item
-        for item in builtins
-        if not item.id.startswith("repair_") or item.id.replace("_", " ", 1) in repairs
-    )
+    """`builtins` without the keys of actions that the experiment does not have."""
+    return tuple(item for item in builtins if not item.action or item.action in actions)

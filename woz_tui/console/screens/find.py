@@ -12,6 +12,7 @@ from rich.cells import cell_len
 from textual.content import Content
 from textual.fuzzy import Matcher
 
+from woz_tui.config.keys.console_keys import played_by
 from woz_tui.console.drawing.cells import clean, fit
 from woz_tui.console.drawing.key_caps import KeyCap, caption, key_name
 from woz_tui.console.screens.choice import ConfirmDialog, SearchDialog
@@ -195,7 +196,7 @@ class FindDialog(SearchDialog[SearchItem]):
             serves = bound and command.found and command.serves(self.state.role)
             if name == command.name and serves:
                 key, words = key_name(app.key_of(name), self.glyphs), command.words
-                said = quoted(self.state, name.replace("_", " ", 1), self.glyphs)  # of a repair
+                said = quoted(self.state, played_by(name), self.glyphs)
                 do = functools.partial(app.do, name)
                 search = "; ".join((words, *command.also))
                 yield SearchItem(words, key, said or "console", do, search, said)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from textual import events
 
+from woz_tui.config.keys.console_keys import played_by
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.drawing.cells import Row, clean
@@ -41,8 +42,8 @@ class PeekDialog(LiveReportDialog):
 
     def __init__(self, keys: KeyMap) -> None:
         super().__init__()
-        repairs = [key for key, name in keys.builtin_table.items() if name.startswith("repair_")]
-        self.own_keys = frozenset([*" ".join(keys.table).split(), *repairs])
+        beside = [key for key, name in keys.builtin_table.items() if played_by(name)]
+        self.own_keys = frozenset([*" ".join(keys.table).split(), *beside])
 
     def lines(self) -> list[Row]:
         """The action of the key pressed last; before, the script's next one."""
@@ -104,8 +105,7 @@ class PeekDialog(LiveReportDialog):
         keys = app.keymap
         both = f"{self._typed} {chord}"
         self._typed = both if both in keys.table else chord
-        repair = keys.builtin_table.get(chord, "").replace("_", " ", 1)
-        self._action = keys.table.get(self._typed, repair)
+        self._action = keys.table.get(self._typed, played_by(keys.builtin_table.get(chord, "")))
         if self._action:
             self.own_keys = frozenset((chord,))
             app.give_keys()

@@ -618,7 +618,7 @@ class ConsoleState:
             for action in panel.actions:
                 if action.name == name:
                     return action
-        return next((action for action in self.settings.repairs if action.name == name), None)
+        return next((action for action in self.settings.beside_panels if action.name == name), None)
 
     def is_locked(self, panel: PanelView) -> bool:
         """Whether the panel takes no input at the moment."""

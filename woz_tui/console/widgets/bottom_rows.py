@@ -1,4 +1,6 @@
-"""Lines at the bottom: repairs, the script with its next sentence, hints, news, the stop."""
+"""Lines at the bottom: actions beside the panels, the script with its next sentence, hints, news,
+the stop.
+"""
 
 from __future__ import annotations
 
@@ -33,9 +35,11 @@ from woz_tui.protocol.panels import ActionView
 from woz_tui.timeline.episodes import StopEpisode
 
 
-def repair_row(state: ConsoleState, frame: PaintFrame, keys: Mapping[str, str]) -> Row:
-    """Each repair with its key, in a replay alone; what is under way stands out."""
-    found = [_repair(state, frame, action, keys) for action in state.settings.repairs]
+def action_row(state: ConsoleState, frame: PaintFrame, keys: Mapping[str, str]) -> Row:
+    """Each action beside the panels with its key, in a replay alone; what is under way stands
+    out.
+    """
+    found = [_action(state, frame, action, keys) for action in state.settings.beside_panels]
     need = sum(map(length, found))
     apart = 3 if need + 3 * len(found) <= frame.width else 1
     row: Row = ((" ", "plain"),)
@@ -44,7 +48,7 @@ def repair_row(state: ConsoleState, frame: PaintFrame, keys: Mapping[str, str]) 
     return cut(row, frame.width, frame.glyphs.ellipsis)
 
 
-def _repair(
+def _action(
     state: ConsoleState, frame: PaintFrame, action: ActionView, keys: Mapping[str, str]
 ) -> Row:
     key = keys.get(action.name, "")
@@ -60,7 +64,7 @@ def _repair(
     return (key, "key") if key else ("no key", "muted"), label
 
 
-class RepairRow(Cells):
+class ActionRow(Cells):
     """One row."""
 
     #: Action -> its key, as a cap shows it; the app says so.
@@ -68,7 +72,7 @@ class RepairRow(Cells):
 
     def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
         """Show it."""
-        self.show([repair_row(state, frame, self.keys)])
+        self.show([action_row(state, frame, self.keys)])
 
 
 #: What stands for a text that is kept from the wizard.

@@ -12,14 +12,15 @@ from woz_tui.console.state.console_state import ConsoleState
 
 @dataclass(frozen=True, slots=True)
 class FeatureCommand:
-    """A command of the console that opens the dialog `module:Class`.
+    """A command of the console: it plays the action of its key, if that has one, and then opens the
+    dialog `opens`, if one is named (`module:Class`).
 
     `key`: the id of its key (`Feature.keys`). `watchers`: whether it is for those who only watch,
     too. `also`: words that find it in the palette, beside its own.
     """
 
     key: str
-    opens: str
+    opens: str = ""
     watchers: bool = False
     also: tuple[str, ...] = ()
 

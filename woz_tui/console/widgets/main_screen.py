@@ -25,7 +25,7 @@ from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.driver_outlines import body_outlines
 from woz_tui.console.state.study import verdict_text
 from woz_tui.console.widgets.action_panels import ActionPanels
-from woz_tui.console.widgets.bottom_rows import BarInfo, RepairRow, ScriptPane, StopBar
+from woz_tui.console.widgets.bottom_rows import ActionRow, BarInfo, ScriptPane, StopBar
 from woz_tui.console.widgets.event_list import EventList
 from woz_tui.console.widgets.meters import Meters
 from woz_tui.console.widgets.status_rows import StatusInfo, StatusLines
@@ -36,8 +36,9 @@ WIDE = 120
 ROOMY = 40
 #: Lines of meters and events below the panels, on a low screen and on one of 32 lines or more.
 SIDE, TALL_SIDE, TALL = 7, 12, 32
-#: Lines of status, repairs and stop bar: without a script, and with its next sentence.
-STATUS, REPAIRS, BAR, SCRIPT_BAR = 2, 1, 2, 4
+#: Lines of status, actions beside the panels and stop bar: without a script, and with its next
+#: sentence.
+STATUS, ACTIONS, BAR, SCRIPT_BAR = 2, 1, 2, 4
 #: Below this height the sentence gives way to panels, in lines.
 SENTENCE_FROM = 18
 #: Lines of bodies under the meters on a wide screen and on a roomy one; columns of each body, and
@@ -76,7 +77,7 @@ def bar_lines(screen: Size, script: bool) -> int:
 
 def upper_lines(screen: Size, needs: Needs) -> int:
     """Lines of the upper row of parts; the lower row has the rest."""
-    body = screen.height - STATUS - REPAIRS - needs.bar
+    body = screen.height - STATUS - ACTIONS - needs.bar
     match shape(screen):
         case "narrow":
             return max(3, body - (TALL_SIDE if screen.height >= TALL else SIDE))
@@ -192,7 +193,7 @@ SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
 
 
 class MainScreen:
-    """Status on top, panels, meters and bodies, events, script, repairs, stop bar."""
+    """Status on top, panels, meters and bodies, events, script, actions, stop bar."""
 
     def __init__(self, bar: StopBar | None = None) -> None:
         self.status = StatusLines()
@@ -202,7 +203,7 @@ class MainScreen:
         self.bodies = BodyPane()
         self.events = EventList()
         self.script = ScriptPane()
-        self.repairs = RepairRow()
+        self.actions = ActionRow()
         self.bar = bar or StopBar()
         self.small = Cells(id="small")
         self.body = MainArea()
@@ -217,7 +218,7 @@ class MainScreen:
                 yield from (self.meters, self.bodies)
             yield from (self.events, self.script)
         yield self.small
-        yield self.repairs
+        yield self.actions
         yield self.bar
 
     def measure(
@@ -255,7 +256,7 @@ class MainScreen:
         self.status.paint(state, frame(self.status), line)
         if self.cue.display:
             self.cue.paint(state, frame(self.cue))
-        parts = (self.panels, self.meters, self.bodies, self.events, self.script, self.repairs)
+        parts = (self.panels, self.meters, self.bodies, self.events, self.script, self.actions)
         for part in parts:
             part.paint(state, frame(part))
         self.bar.paint(state, frame(self.bar), replace(bar, page=self.panels.page))

@@ -26,9 +26,9 @@ IN_EVERY_PROFILE = frozenset({"mark", "note", BML})
 
 
 def profile_without_action(facts: Facts, asked: PlayAction) -> Refusal | None:
-    """Repairs count in every profile."""
+    """What is beside the panels counts in every profile."""
     profile, action = _in_use(facts), asked.action
-    if action is None or asked.repair:
+    if action is None or asked.beside_panels:
         return None
     if action.panel in profile.panels or asked.name in profile.actions:
         return None

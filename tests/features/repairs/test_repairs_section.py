@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from tests.config.reading import HEAD, HELLO, errors, panel, read_experiment
-from woz_tui.config.languages import FOLDER, SPOKEN
-from woz_tui.config.repairs import INTERRUPT, REPEAT, REWORD
+from woz_tui.config.languages import FOLDER
+from woz_tui.features.repairs.section import INTERRUPT, REPEAT, REWORD, SPOKEN
 
 VARIED = "{key: v, label: V, say: {any: [One, Two]}}"
 
@@ -19,7 +19,7 @@ def repairs(folder: Path, section: str, *actions: str) -> dict[str, list[object]
     file = panel(*(actions or (HELLO,)), head=f"{HEAD}{section}")
     return {
         action.name: [call.args.get("text") for call in action.calls]
-        for action in read_experiment(folder, file).repairs
+        for action in read_experiment(folder, file).beside_panels
     }
 
 

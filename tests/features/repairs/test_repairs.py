@@ -12,10 +12,10 @@ import pytest
 from tests.session.rig import HERE, SessionRig
 from tests.session.test_action_texts import HM, KEY, make_experiment
 from woz_tui.config.experiment import Action
-from woz_tui.config.repairs import INTERRUPT, LABELS, PANEL, REPEAT, REWORD
 from woz_tui.features.delay.kinds import ShapingChanged
 from woz_tui.features.profiles.in_session import ProfileInUse
 from woz_tui.features.profiles.section import PROFILES, Profile
+from woz_tui.features.repairs.section import INTERRUPT, LABELS, PANEL, REPEAT, REWORD
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.redactor import Redactor
@@ -26,7 +26,7 @@ MOVES = tuple(Action(name, LABELS[name], "", PANEL, (), HERE) for name in NAMES)
 
 
 def scene(tmp_path: Path, play: Callable[[SessionRig], Awaitable[None]]) -> SessionRig:
-    made = replace(make_experiment(tmp_path), repairs=MOVES)
+    made = replace(make_experiment(tmp_path), beside_panels=MOVES)
     return SessionRig(tmp_path, made=made).run(play, 10)
 
 

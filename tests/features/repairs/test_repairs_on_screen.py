@@ -7,10 +7,10 @@ import msgspec
 from tests.console import scenes
 from tests.console.piloting import piloted_console
 from woz_tui.config.keys import BUILTIN_KEYS
-from woz_tui.config.repairs import LABELS
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.console.widgets.bottom_rows import repair_row
+from woz_tui.console.widgets.bottom_rows import action_row
+from woz_tui.features.repairs.section import LABELS
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -30,7 +30,7 @@ def welcome(repairs: list[ActionView], shown: list[PanelView] | None = None) -> 
 
 async def test_all_of_them_stand_in_one_row_of_eighty_columns() -> None:
     async with piloted_console(welcome(ALL)) as pilot:
-        row = pilot.text("RepairRow")
+        row = pilot.text("ActionRow")
         assert len(row) <= 80
         for label in LABELS.values():
             assert label in row
@@ -44,7 +44,7 @@ async def test_a_key_asks_for_the_repair_from_every_page() -> None:
             ("ctrl+u", "repair dont_know"),
         ):
             await pilot.press("tab")
-            assert LABELS[name] in pilot.text("RepairRow")
+            assert LABELS[name] in pilot.text("ActionRow")
             await pilot.press(key)
             asked = pilot.feed.asked[-1]
             assert isinstance(asked, r.AskAction)
@@ -73,7 +73,7 @@ async def test_an_interruption_opens_the_field_for_what_is_said_instead() -> Non
 
 async def test_repairs_that_the_file_does_not_have_have_no_key() -> None:
     async with piloted_console(welcome(FEW)) as pilot:
-        assert "yes" not in pilot.text("RepairRow")
+        assert "yes" not in pilot.text("ActionRow")
         await pilot.press("(")
         assert not [each for each in pilot.feed.asked if isinstance(each, r.AskAction)]
 
@@ -85,7 +85,7 @@ async def test_a_repair_gives_its_key_to_the_experiment_and_says_where_none_is_l
     actions = [ActionView(name=f"A{n}", label=f"A{n}", key=key) for n, key in enumerate(taken)]
     shown = [PanelView(title="Signs", actions=actions)]
     async with piloted_console(welcome(FEW, shown)) as pilot:
-        row = pilot.text("RepairRow")
+        row = pilot.text("ActionRow")
         assert "no key" in row
         await pilot.press('"')
         asked = pilot.feed.last(r.AskAction)
@@ -116,6 +116,6 @@ def test_in_a_replay_there_are_labels_alone() -> None:
     state = ConsoleState()
     replaying = r.Replaying(t=0, length_us=60_000_000, rate=1.0, paused=False)
     state.apply([welcome(ALL), replaying], 0)
-    shown = "".join(text for text, _ in repair_row(state, PaintFrame(80, 1, scenes.NOW), {}))
+    shown = "".join(text for text, _ in action_row(state, PaintFrame(80, 1, scenes.NOW), {}))
     assert "no key" not in shown
     assert "repeat" in shown

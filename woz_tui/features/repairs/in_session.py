@@ -2,50 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from types import MappingProxyType
 
-from woz_tui.config.experiment import Action, Call, Experiment
-from woz_tui.config.repairs import INTERRUPT, PANEL, REWORD
+from woz_tui.config.experiment import Action, Call
 from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
+from woz_tui.features.repairs.section import INTERRUPT, PANEL, REPEAT, REWORD
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import requester
-from woz_tui.session.action_runner import ActionRunner, may_speak
-from woz_tui.session.action_texts import ActionTexts, Steps
-from woz_tui.timeline.session_state import SessionState
+from woz_tui.session.action_runner import may_speak
+from woz_tui.session.action_texts import Steps
+from woz_tui.session.session_features import FeatureSession, SessionFeature
 
 
-@dataclass
-class RepairController:
-    """Plays the repairs that have no steps of their own.
+class RepairsInSession(SessionFeature):
+    """Plays the repairs that have no steps of their own."""
 
-    Args:
-        experiment: As it is now.
-        state: What goes on, and with whom.
-        runner: Plays.
-        texts: Chooses among wordings.
-    """
-
-    experiment: Callable[[], Experiment]
-    state: SessionState
-    runner: ActionRunner
-    texts: ActionTexts
-    _last: m.Command | None = None
-    #: To whom that was said.
-    _told: tuple[str, str] = ("", "")
-    #: The action of the file that said it.
-    _action: str = ""
+    def __init__(self, session: FeatureSession) -> None:
+        super().__init__(session)
+        self._last: m.Command | None = None
+        #: To whom that was said.
+        self._told = ("", "")
+        #: The action of the file that said it.
+        self._action = ""
 
     @property
     def _whom(self) -> tuple[str, str]:
         """Participant and condition."""
-        return self.state.study.participant, self.state.study.condition
+        return self.session.state.study.participant, self.session.state.study.condition
 
-    def on_dispatched(self, message: m.Dispatched) -> None:
+    def _dispatched(self, message: m.Dispatched) -> None:
         """Remember what was said last, and to whom; repairs themselves are passed over."""
-        command = self.state.commands.get(message.command)
+        command = self.session.state.commands.get(message.command)
         if command is None or command.request.verb not in SPEAKING_VERBS:
             return
         request = command.request
@@ -54,26 +44,30 @@ class RepairController:
         self._last, self._told = request, self._whom
         self._action = self._action if request.action == REWORD else request.action
 
-    def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str:
-        """Play it; the run's id. Raises `RequestError`; the refusal is in the log too. `at`: for
-        which moment it was asked, if not for now.
-        """
+    hears = MappingProxyType({m.Dispatched: _dispatched})
+
+    def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str | None:
+        """Its steps depend on what was said; the refusal is in the log too."""
+        if action.name not in (REPEAT, REWORD, INTERRUPT):
+            return None
         steps: Steps | str
         if at:
             steps = f"{action.name!r} depends on what was said last: play it now"
         elif action.name == INTERRUPT:
-            run, _ = self.runner.play(action, origin, when_busy, steps=[])
-            self._interrupt(requester(origin.source, self.state.consoles.get(origin.console)))
+            run, _ = self.session.runner.play(action, origin, when_busy, steps=[])
+            self._interrupt(
+                requester(origin.source, self.session.state.consoles.get(origin.console))
+            )
             return run
         else:
             steps = self._other_words() if action.name == REWORD else self._again()
         if isinstance(steps, str):
-            self.runner.refuse(action.name, action.panel, origin, steps)
+            self.session.runner.refuse(action.name, action.panel, origin, steps)
             raise RequestError(steps)
-        run, refused = self.runner.play(action, origin, when_busy, steps=steps)
+        run, refused = self.session.runner.play(action, origin, when_busy, steps=steps)
         if refused is not None:
             if action.name == REWORD:
-                self.texts.take_back()
+                self.session.texts.take_back()
             raise refused
         return run
 
@@ -89,14 +83,14 @@ class RepairController:
         """The next wording of the call that said it."""
         if self._last is None or self._told != self._whom:
             return "nothing has been said yet"
-        action = self.experiment().action(self._action)
-        steps = self.texts.other(action, self._last) if action is not None else None
+        action = self.session.experiment.action(self._action)
+        steps = self.session.texts.other(action, self._last) if action is not None else None
         return steps or "the last sentence has no other words"
 
     def _interrupt(self, by: str) -> None:
         """End what is said or is still to be said; everything else goes on."""
         why = f"interrupted by {by}"
-        self.runner.cut_speech(why)
-        for command in list(self.state.commands.values()):
+        self.session.runner.cut_speech(why)
+        for command in list(self.session.state.commands.values()):
             if may_speak(command.request):
-                self.runner.cancel(command.request.command, why)
+                self.session.runner.cancel(command.request.command, why)

@@ -14,6 +14,7 @@ import msgspec
 
 from woz_tui.config import utterance_template
 from woz_tui.config.experiment import Experiment
+from woz_tui.config.experiment_file import TOP_LEVEL
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver
@@ -199,12 +200,14 @@ def _text_lines(
         yield _PREFLIGHT
     if abilities.senses:
         yield _ENGAGEMENT
-    if len(conditions) > 1 and set(conditions) <= set(PAIR):
-        yield _REPAIRS_OF_CONDITIONS
-        yield from (f"  {line.label}: {_sentence(line, conditions)}" for line in _FILE.repairs)
-        yield ""
-    else:
-        yield _REPAIRS
+    if "repairs" in TOP_LEVEL:
+        if len(conditions) > 1 and set(conditions) <= set(PAIR):
+            yield _REPAIRS_OF_CONDITIONS
+            said = ((line.label, _sentence(line, conditions)) for line in _FILE.repairs)
+            yield from (f"  {name}: {sentence}" for name, sentence in said)
+            yield ""
+        else:
+            yield _REPAIRS
     yield "panels:"
     for title, lines in {**template.phases, _ANY_TIME: _FILE.always}.items():
         yield f"  - title: {title}"

@@ -127,6 +127,8 @@ class SessionFeatures:
         self._all: dict[str, SessionFeature] = {}
         self._names: dict[type[SessionFeature], str] = {}
         self._answering: dict[type[Request], str] = {}
+        #: Those that may hold something.
+        self._holding: dict[str, SessionFeature] = {}
         for name, kind in pieces("session", type).items():
             self._names[kind] = name
             self._safely(name, self._add, None, name, kind)
@@ -134,6 +136,8 @@ class SessionFeatures:
     def _add(self, name: str, kind: type[SessionFeature]) -> None:
         feature = self._all[name] = kind(self._session)
         self._answering |= dict.fromkeys(kind.requests, name)
+        if kind.hold is not SessionFeature.hold:
+            self._holding[name] = feature
         for heard, call in kind.hears.items():
             self._session.hub.listen(partial(self._hear, name, feature, call), heard)
 
@@ -205,17 +209,13 @@ class SessionFeatures:
         """Whether a feature makes it wait, and calls `begin` when it may begin."""
         return any(
             self._safely(holding, feature.hold, False, run, name, source, verbs, begin)
-            for holding, feature in self._holding()
+            for holding, feature in [*self._holding.items()]
         )
 
     def drop(self, run: str) -> None:
         """What is held as `run`, if anything is, has been ended."""
-        for name, feature in self._holding():
+        for name, feature in [*self._holding.items()]:
             self._safely(name, feature.drop, None, run)
-
-    def _holding(self) -> list[tuple[str, SessionFeature]]:
-        """Those that may hold something."""
-        return [each for each in self._all.items() if type(each[1]).hold is not SessionFeature.hold]
 
     def facts(self) -> dict[str, object]:
         """What their rows of the gate look at, by name."""
@@ -234,6 +234,7 @@ class SessionFeatures:
         except Exception as error:
             log.exception("the feature %s failed", name)
             self._all.pop(name, None)
+            self._holding.pop(name, None)
             text = f"{name} failed and is not used any more: {type(error).__name__}: {error}"
             self._session.hub.publish(m.Notice(level="error", text=text, remedy=IN_HOST_LOG))
             return otherwise

@@ -118,6 +118,9 @@ class SessionFeature:
 
 F = TypeVar("F", bound=SessionFeature)
 
+#: Where features are asked or told something; those that have nothing to do there are passed by.
+_HOOKS = ("begin", "close", "play", "adopt", "hold", "drop", "fact")
+
 
 class SessionFeatures:
     """All features in one session."""
@@ -127,8 +130,8 @@ class SessionFeatures:
         self._all: dict[str, SessionFeature] = {}
         self._names: dict[type[SessionFeature], str] = {}
         self._answering: dict[type[Request], str] = {}
-        #: Those that may hold something.
-        self._holding: dict[str, SessionFeature] = {}
+        #: Those that have something to do at each of the hooks, in their order.
+        self._with: dict[str, dict[str, SessionFeature]] = {hook: {} for hook in _HOOKS}
         for name, kind in pieces("session", type).items():
             self._names[kind] = name
             self._safely(name, self._add, None, name, kind)
@@ -136,8 +139,9 @@ class SessionFeatures:
     def _add(self, name: str, kind: type[SessionFeature]) -> None:
         feature = self._all[name] = kind(self._session)
         self._answering |= dict.fromkeys(kind.requests, name)
-        if kind.hold is not SessionFeature.hold:
-            self._holding[name] = feature
+        for hook, having in self._with.items():
+            if getattr(kind, hook) is not getattr(SessionFeature, hook):
+                having[name] = feature
         for heard, call in kind.hears.items():
             self._session.hub.listen(partial(self._hear, name, feature, call), heard)
 
@@ -164,12 +168,12 @@ class SessionFeatures:
         for name, why in left_out().items():
             text = f"the feature {name} is left out: {why}"
             self._session.hub.publish(m.Notice(level="warning", text=text, remedy=IN_HOST_LOG))
-        for name, feature in [*self._all.items()]:
+        for name, feature in [*self._with["begin"].items()]:
             self._safely(name, feature.begin, None)
 
     def close(self) -> None:
         """The session ends."""
-        for name, feature in [*self._all.items()]:
+        for name, feature in [*self._with["close"].items()]:
             self._safely(name, feature.close, None)
 
     def carry_out(self, request: Request, client: Client) -> str:
@@ -187,7 +191,7 @@ class SessionFeatures:
         """Have a feature play an action of its own that has no steps; the run's id. Raises
         `RequestError`.
         """
-        for name, feature in [*self._all.items()]:
+        for name, feature in [*self._with["play"].items()]:
             run = self._safely(name, feature.play, None, action, origin, when_busy, at)
             if run is not None:
                 return run
@@ -195,7 +199,7 @@ class SessionFeatures:
 
     def adopt(self, experiment: Experiment) -> None:
         """The session goes on with a file that was read again."""
-        for name, feature in [*self._all.items()]:
+        for name, feature in [*self._with["adopt"].items()]:
             self._safely(name, feature.adopt, None, experiment)
 
     def hold(
@@ -209,18 +213,18 @@ class SessionFeatures:
         """Whether a feature makes it wait, and calls `begin` when it may begin."""
         return any(
             self._safely(holding, feature.hold, False, run, name, source, verbs, begin)
-            for holding, feature in [*self._holding.items()]
+            for holding, feature in [*self._with["hold"].items()]
         )
 
     def drop(self, run: str) -> None:
         """What is held as `run`, if anything is, has been ended."""
-        for name, feature in [*self._holding.items()]:
+        for name, feature in [*self._with["drop"].items()]:
             self._safely(name, feature.drop, None, run)
 
     def facts(self) -> dict[str, object]:
         """What their rows of the gate look at, by name."""
         facts = {}
-        for name, feature in [*self._all.items()]:
+        for name, feature in [*self._with["fact"].items()]:
             fact = self._safely(name, feature.fact, None)
             if fact is not None:
                 facts[name] = fact
@@ -234,7 +238,8 @@ class SessionFeatures:
         except Exception as error:
             log.exception("the feature %s failed", name)
             self._all.pop(name, None)
-            self._holding.pop(name, None)
+            for having in self._with.values():
+                having.pop(name, None)
             text = f"{name} failed and is not used any more: {type(error).__name__}: {error}"
             self._session.hub.publish(m.Notice(level="error", text=text, remedy=IN_HOST_LOG))
             return otherwise

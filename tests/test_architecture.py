@@ -44,7 +44,6 @@ ROOMS = [
     "woz_tui.session",
     "woz_tui.remote",
     "woz_tui.replay",
-    "woz_tui.training",
     "woz_tui.host",
     "woz_tui.console",
     "woz_tui.cli",
@@ -64,7 +63,7 @@ UNLOADED = [
         "woz_tui.host.robot_process",
         {
             *("textual", "rich", "numpy", "serial", "dynamixel_sdk", "aiohttp", "woz_drivers"),
-            *("woz_tui.replay", "woz_tui.training", "woz_tui.analysis"),
+            *("woz_tui.replay", "woz_tui.features.training.trainer", "woz_tui.analysis"),
             *("woz_tui.config.woz4u", "woz_tui.network.driver_process"),
             *("woz_tui.session.preflight", "pickle"),
         },
@@ -87,7 +86,7 @@ UNLOADED = [
 #: come with it at the most, beyond those of a bare Textual app. Each costs a wizard who waits.
 STARTS = {
     "console": ("woz_tui.cli.run as run; run.console_start.load_modules()", 194),
-    "robot process": ("woz_tui.host.robot_process", 295),
+    "robot process": ("woz_tui.host.robot_process", 296),
 }
 
 

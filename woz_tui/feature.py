@@ -45,6 +45,20 @@ class StartOption:
         return self.flag.removeprefix("--").replace("-", "_")
 
 
+@dataclass(frozen=True, slots=True)
+class CommandLine:
+    """A command `woz NAME` of a feature.
+
+    `module`: inside the feature's package, made like those of `woz_tui.cli`. `behind`: the command
+    behind which `woz --help` lists it; empty: at the end.
+    """
+
+    name: str
+    summary: str
+    module: str
+    behind: str = ""
+
+
 class Feature:
     """A feature. Every piece may be left out, and is then not there.
 
@@ -68,7 +82,9 @@ class Feature:
         export: An `export.feature_export.FeatureExport`: what becomes of its lines in exports.
         exporters: Formats of `woz export`, made like `export.export_run.FORMATS`.
         figures: An `analysis.feature_figures.FeatureFigures`: what it counts in sessions.
+        session_kind: A `host.session_kind.SessionKind`: a kind of session without a participant.
         start: An option with which a session can begin.
+        command: A command of `woz`.
     """
 
     name: ClassVar[str]
@@ -85,7 +101,9 @@ class Feature:
     export: ClassVar[str] = ""
     exporters: ClassVar[str] = ""
     figures: ClassVar[str] = ""
+    session_kind: ClassVar[str] = ""
     start: ClassVar[StartOption | None] = None
+    command: ClassVar[CommandLine | None] = None
 
     def file(self, name: str) -> Path | None:
         """A file of the feature's package; None where no name is given."""

@@ -140,9 +140,7 @@ def test_a_participants_terminal_has_no_options_of_a_wizard(
 @pytest.mark.parametrize(
     ("words", "needed"),
     [
-        (["host", "x.yaml", "--train-count", "3"], "--train"),
         (["host", "x.yaml", "--rerun-wait", "3"], "--rerun"),
-        (["host", "x.yaml", "--rerun", "a.jsonl", "--train"], "leave one out"),
         (["hands", "--to", "robot", "--access", "a.access"], "leave one out"),
         (["bml", "--stomp", "localhost", "--feedback"], "files"),
     ],

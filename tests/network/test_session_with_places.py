@@ -19,7 +19,6 @@ from woz_tui.network import driver_router, remote_driver
 from woz_tui.network.driver_router import DriverRouter
 from woz_tui.protocol import messages as m
 from woz_tui.testing import until
-from woz_tui.training.rehearsal_driver import rehearsed
 
 KEY = RequestOrigin("key", "h", "con1")
 TEXT = """\
@@ -80,12 +79,3 @@ async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(
         await other.end()
         await cable.cut()
     assert rig.session.ended
-
-
-async def test_a_training_needs_no_other_computer(tmp_path: Path) -> None:
-    path = tmp_path / "e.yaml"
-    path.write_text(TEXT.format(port=free_port(), text="Hi"))
-    catalogue = rehearsed(installed())
-    rig = SessionRig(tmp_path, catalogue=catalogue, made=load(path, catalogue))
-    async with rig:
-        assert rig.kinds(m.DriverConnected) == ["DriverConnected"]

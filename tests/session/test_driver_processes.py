@@ -11,10 +11,8 @@ from tests.session.rig import SessionRig
 from woz_tui.config.loading import load
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.network import remote_driver
-from woz_tui.network.driver_process import ProcessDriver
 from woz_tui.protocol import messages as m
 from woz_tui.testing import until
-from woz_tui.training.rehearsal_driver import rehearsed
 
 KEY = RequestOrigin("key", "h", "con1")
 TEXT = """\
@@ -66,16 +64,3 @@ async def test_one_that_blocks_is_named_by_the_stop_which_the_others_confirm(
         assert any("did not hear the stop and was ended" in detail for detail in lost)
         await until(lambda: "arm" in confirmed()[-1].confirmed, BEGIN_S)
     assert rig.session.ended
-
-
-async def test_in_a_training_drivers_stay_with_a_body_that_does_not_move(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    catalogue = installed_worker(tmp_path, monkeypatch)
-    path = tmp_path / "e.yaml"
-    path.write_text(TEXT.replace("{type: worker}", "{type: worker, beside: body}"))
-    experiment = load(path, catalogue)
-    rig = SessionRig(tmp_path, catalogue=rehearsed(catalogue), made=experiment)
-    assert not any(isinstance(driver, ProcessDriver) for driver in rig.session.drivers.values())
-    async with rig:
-        pass

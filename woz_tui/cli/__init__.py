@@ -13,6 +13,7 @@ from typing import NoReturn
 from woz_tui import __version__
 from woz_tui.cli.error_sentences import is_output_error
 from woz_tui.cli.safe_streams import clean_streams
+from woz_tui.feature import features
 from woz_tui.system import terminal_size
 
 #: Command -> its module's one-line summary. A module has `add(parser)`, which declares its
@@ -22,7 +23,6 @@ COMMANDS = {
     "new": "write an experiment file to begin with",
     "run": "start the robot process and the console: a session",
     "demo": "start a session with a simulated robot and a simulated visitor",
-    "train": "train a wizard: a simulated visitor gives cues, answers are scored",
     "host": "start only the robot process",
     "attach": "join a running session",
     "reset": "put this terminal back after a console that was killed",
@@ -72,6 +72,22 @@ Esc stops the robot; ctrl+q leaves the console; ? shows all keys.
 GC_THRESHOLDS = (50_000, 20, 100)
 
 
+def all_commands() -> dict[str, tuple[str, str]]:
+    """Each command's module and summary, those of features in their places."""
+    commands = {
+        name: (f"{__package__}.{name.replace('-', '_')}", summary)
+        for name, summary in COMMANDS.items()
+    }
+    for feature in features().values():
+        if (own := feature.command) is not None:
+            names = [*commands]
+            at = names.index(own.behind) + 1 if own.behind in commands else len(names)
+            names.insert(at, own.name)
+            place = f"{type(feature).__module__}.{own.module}", own.summary
+            commands = {name: commands.get(name, place) for name in names}
+    return commands
+
+
 class _Parser(ArgumentParser):
     """Says what was probably meant by a wrong word or option; commands' own commands, too."""
 
@@ -99,14 +115,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--version", action="version", version=f"woz-tui {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     command_name = next((word for word in words if not word.startswith("-")), "")
-    if words[0] == command_name and command_name not in COMMANDS:
+    known = all_commands()
+    if words[0] == command_name and command_name not in known:
         print(f"woz: {_no_command(command_name)}", file=sys.stderr)
         return 2
     used = parser
-    for name, summary in COMMANDS.items():
+    for name, (place, summary) in known.items():
         command = commands.add_parser(name, help=summary, description=f"woz {name}: {summary}")
         if name == command_name:
-            module = importlib.import_module(f"woz_tui.cli.{name.replace('-', '_')}")
+            module = importlib.import_module(place)
             command.set_defaults(run=module.run)
             module.add(command)
             used = command
@@ -141,7 +158,7 @@ def _no_command(word: str) -> str:
 
     if word.endswith((".yaml", ".yml")):
         return f"a command is missing before {quoted(word)}; did you mean `woz run {word}`?"
-    near = nearest_word(word, COMMANDS)
+    near = nearest_word(word, all_commands())
     remedy = f"did you mean `woz {near}`?" if near else "`woz --help` lists them"
     return f"there is no command {quoted(word)}; {remedy}"
 

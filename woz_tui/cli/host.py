@@ -5,11 +5,15 @@ from __future__ import annotations
 import logging
 import sys
 from argparse import SUPPRESS, ArgumentParser, Namespace
+from collections.abc import Iterable
 from pathlib import Path
 
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.shared_options import add_robot, add_session, start_values
+from woz_tui.feature import pieces
+from woz_tui.host.session_kind import SessionKind
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.system.addresses import without_passwords
 
@@ -45,21 +49,8 @@ def add(parser: ArgumentParser) -> None:
         help="with --rerun: longest time in s for the drivers to connect"
         f" (default {RERUN_WAIT_S:g})",
     )
-    parser.add_argument(
-        "--train",
-        action="store_true",
-        help=(
-            "train a wizard: a simulated visitor gives cues; the robot does not move (see"
-            " `woz train`)"
-        ),
-    )
-    parser.add_argument(
-        "--train-count",
-        type=int,
-        default=None,
-        metavar="N",
-        help="with --train: number of cues (default: from the file)",
-    )
+    for kind in pieces("session_kind", SessionKind).values():
+        kind.add(parser)
     parser.add_argument(
         "--fitted",
         action="store_true",
@@ -69,14 +60,14 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument("--restarted", action="store_true", help=SUPPRESS)
 
 
-def _mixed(arguments: Namespace) -> str:
-    """Which options do not go together; empty: all do."""
-    if arguments.rerun is not None and arguments.train:
-        return "--rerun and --train: leave one out"
+def _mixed(arguments: Namespace, kinds: Iterable[str]) -> str:
+    """Which options do not go together; empty: all do. `kinds`: features whose kind is wanted."""
+    flags = [pieces("session_kind", SessionKind)[name].flag for name in kinds]
+    wanted = ["--rerun"] * (arguments.rerun is not None) + flags
+    if len(wanted) > 1:
+        return f"{' and '.join(wanted)}: leave one out"
     if arguments.rerun is None and (arguments.headless or arguments.rerun_wait is not None):
         return f"{'--headless' if arguments.headless else '--rerun-wait'} needs --rerun"
-    if arguments.train_count is not None and not arguments.train:
-        return "--train-count needs --train"
     return ""
 
 
@@ -90,7 +81,15 @@ class _LogFormatter(logging.Formatter):
 
 def run(arguments: Namespace) -> int:
     """Serve until the session ends."""
-    wrong = _mixed(arguments)
+    try:
+        kinds = {
+            name: value
+            for name, kind in pieces("session_kind", SessionKind).items()
+            if (value := kind.start(arguments)) is not None
+        }
+        wrong = _mixed(arguments, kinds)
+    except RequestError as error:
+        wrong = str(error)
     if wrong:
         print(f"woz: {wrong}", file=sys.stderr)
         return 2
@@ -101,16 +100,12 @@ def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.INFO, handlers=[handler])
 
     def serve() -> int:
-        rerun = training = None
+        rerun = None
         if arguments.rerun is not None:
             from woz_tui.host.rerun_session import RerunOptions  # noqa: PLC0415
 
             wait = RERUN_WAIT_S if arguments.rerun_wait is None else arguments.rerun_wait
             rerun = RerunOptions(arguments.rerun, arguments.headless, wait)
-        if arguments.train:
-            from woz_tui.host.training_session import TrainingOptions  # noqa: PLC0415
-
-            training = TrainingOptions(arguments.train_count)
         return robot_process.run(
             robot_process.HostOptions(
                 experiment=arguments.experiment,
@@ -126,9 +121,9 @@ def run(arguments: Namespace) -> int:
                 spill=arguments.spill,
                 announce=arguments.announce,
                 restarted=arguments.restarted,
-                starts=start_values(arguments),
+                starts={**start_values(arguments), **kinds},
+                kind=next(iter(kinds), ""),
                 rerun=rerun,
-                training=training,
                 robot=arguments.robot,
                 fitted=arguments.fitted,
                 listen=arguments.listen,

@@ -8,5 +8,6 @@ FEATURES: tuple[str, ...] = (
     "woz_tui.features.delay:Delay",
     "woz_tui.features.profiles:Profiles",
     "woz_tui.features.repairs:Repairs",
+    "woz_tui.features.training:Training",
     "woz_tui.features.mcap:Mcap",
 )

@@ -63,7 +63,6 @@ from woz_tui.protocol.requests import (
     AskSet,
     AskSound,
     AskTalk,
-    AskTraining,
     AskTrial,
     AskUnrecorded,
     AskVerb,
@@ -113,7 +112,6 @@ class RequestHandlers:
         #: Knows which keys drive only while they are held; of the server that has these handlers.
         self.switch: DeadManSwitch
         self.on_end: Callable[[str], None] = lambda reason: None
-        self.on_training: Callable[[], None] | None = None
         #: Whether a console that watches could play: nobody plays its part.
         self.can_take_over: Callable[[ClientConnection], bool] = lambda client: False
         #: What has ended while a request is carried out, by run or command; None: none is.
@@ -243,10 +241,6 @@ class RequestHandlers:
                 study.questioning.begin_or_end(name, what, by)
             case AskAnswer():
                 study.questioning.answer(request)
-            case AskTraining():
-                if self.on_training is None:
-                    raise RequestError("this session is no training", "`woz train` begins one")
-                self.on_training()
             case AskCheck(check=check, ok=ok, text=text):
                 study.check(check, ok, text, client.role)
             case _:

@@ -25,6 +25,7 @@ from woz_tui.drivers.plugins import Catalogue, installed
 from woz_tui.feature import features, pieces
 from woz_tui.host.loop_watchdog import LoopWatchdog
 from woz_tui.host.request_handlers import RequestHandlers
+from woz_tui.host.session_kind import SessionKind
 from woz_tui.host.session_server import SessionServer
 from woz_tui.log.file_names import file_stem, name_after
 from woz_tui.log.recorder import Recorder
@@ -38,12 +39,9 @@ from woz_tui.system.clock import RealClock
 from woz_tui.system.session_sockets import bind, next_session, running, socket_path, starting
 
 if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
-    from woz_tui.drivers.contract import Driver
     from woz_tui.host.remote_access import RemoteAccess
     from woz_tui.host.rerun_session import RerunOptions, RerunSession
-    from woz_tui.host.training_session import TrainingOptions, TrainingSession
     from woz_tui.replay.rerun_plan import RerunPlan
-    from woz_tui.training.cue_plan import PlannedCue
 
 #: A thread of a driver or of the recorder keeps the interpreter so long at most while a key waits.
 SWITCH_S = 0.0005
@@ -66,10 +64,10 @@ class HostOptions:
     first one fails. `announce` writes one JSON line with socket and log to standard output.
     `restarted`: the codes are those of a session that crashed, and the file may have changed;
     `left_out` are then the sorts of those that it no longer allows.
-    `starts`: with what the session begins, by the feature whose start option it is. `rerun`: which
-    log's commands are run again. `training`: a wizard is trained, and nothing moves. `robot`: the
-    one that plays instead of the file's own; `fitted`: the file without what it cannot do.
-    `listen`: where other machines can join; empty: nowhere.
+    `starts`: with what the session begins, by the feature that starts with it. `kind`: the feature
+    whose kind of session it is; empty: one with a participant. `rerun`: which log's commands are
+    run again. `robot`: the one that plays instead of the file's own; `fitted`: the file without
+    what it cannot do. `listen`: where other machines can join; empty: nowhere.
     """
 
     experiment: Path
@@ -80,9 +78,9 @@ class HostOptions:
     announce: bool = False
     restarted: bool = False
     left_out: tuple[str, ...] = ()
-    starts: Mapping[str, str] = field(default_factory=dict)
+    starts: Mapping[str, object] = field(default_factory=dict)
+    kind: str = ""
     rerun: RerunOptions | None = None
-    training: TrainingOptions | None = None
     robot: str = ""
     fitted: bool = False
     listen: str = ""
@@ -107,13 +105,13 @@ def run(options: HostOptions) -> int:
         from woz_tui.host.rerun_session import read_plan  # noqa: PLC0415
 
         plan = read_plan(options.rerun, experiment)
-    cues: tuple[PlannedCue, ...] = ()
-    if options.training is not None:
-        from woz_tui.host.training_session import in_training, read_cues  # noqa: PLC0415
+    identity = _kind(options).identity(options.identity, experiment)
+    options = replace(options, identity=identity)
+    return asyncio.run(_serve(options, catalogue, experiment, plan))
 
-        cues = read_cues(options.training, experiment, options.identity.seed)
-        options = replace(options, identity=in_training(options.identity, experiment))
-    return asyncio.run(_serve(options, catalogue, experiment, plan, cues))
+
+def _kind(options: HostOptions) -> SessionKind:
+    return pieces("session_kind", SessionKind)[options.kind] if options.kind else SessionKind()
 
 
 def _read(options: HostOptions, catalogue: Catalogue) -> Experiment:
@@ -121,15 +119,11 @@ def _read(options: HostOptions, catalogue: Catalogue) -> Experiment:
     experiment = load(options.experiment, catalogue, robot=options.robot)
     if options.fitted:
         experiment = fitted(experiment)
-    if options.training is not None:
-        from woz_tui.host.training_session import without_participant  # noqa: PLC0415
-
-        return without_participant(experiment)
     if options.rerun is not None:
         from woz_tui.host.rerun_session import without_model  # noqa: PLC0415
 
         return without_model(experiment)
-    return experiment
+    return _kind(options).experiment(experiment)
 
 
 def _fill_standard_streams() -> None:
@@ -151,7 +145,7 @@ def _check_identity(identity: SessionIdentity, experiment: Experiment) -> None:
     identity.changed(experiment, None, identity.condition or None, None)
 
 
-def _check_start(name: str, value: str, experiment: Experiment) -> None:
+def _check_start(name: str, value: object, experiment: Experiment) -> None:
     in_session: type[SessionFeature] = pieces("session", type)[name]
     in_session.check_start(value, experiment)
 
@@ -178,7 +172,7 @@ def _without_refused(options: HostOptions, experiment: Experiment) -> HostOption
         who = replace(who, condition="")
         left_out.append("condition")
     for name, value in options.starts.items():
-        if _is_refused(_check_start, name, value, experiment):
+        if name != options.kind and _is_refused(_check_start, name, value, experiment):
             del starts[name]
             option = features()[name].start
             left_out.append(option.what if option is not None else name)
@@ -206,7 +200,6 @@ async def _serve(
     catalogue: Catalogue,
     experiment: Experiment,
     plan: RerunPlan | None,
-    cues: tuple[PlannedCue, ...],
 ) -> int:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed terminal does not end the session
     clock = RealClock()
@@ -217,7 +210,8 @@ async def _serve(
             session.recorder_moved(state)
 
     identity, path, listener, recorder = _begin_files(options, clock, recorder_moved)
-    session = Session(experiment, _offered(options, catalogue), identity, recorder, clock)
+    drivers = _kind(options).drivers(catalogue)
+    session = Session(experiment, drivers, identity, recorder, clock)
     sessions.append(session)
     participants: set[str] = set()
     session.hub.listen(functools.partial(_note_participant, participants), m.SessionChanged)
@@ -226,7 +220,7 @@ async def _serve(
     read = functools.partial(load, options.experiment, catalogue, robot=options.robot)
     handlers = RequestHandlers(session, lambda: _read(options, catalogue), read)
     host = SessionServer(session, path, handlers)
-    rerun, training = _played(host, options, plan, cues)
+    rerun = _rerun(host, plan, options)
     for number in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(number, host.end, "terminated")
     LoopWatchdog(session.drivers, session.hub)
@@ -235,7 +229,7 @@ async def _serve(
     try:
         await session.open()
         _tell_left_out(session, options.left_out)
-        if training is None:
+        if not options.kind:
             await _assign_proposed(session)
         host.listen(listener)
         if options.listen:
@@ -251,8 +245,6 @@ async def _serve(
         try:
             if rerun is not None:
                 rerun.end("the session ends")
-            if training is not None:
-                training.end()
         finally:  # whatever that came to: the robot rests and the log is finished
             await session.close(reason)
             _name_log(recorder.path, participants)
@@ -341,29 +333,14 @@ def _name_log(path: Path, participants: set[str]) -> None:
             log.warning("the log keeps its name: %s", error)
 
 
-def _offered(options: HostOptions, catalogue: Catalogue) -> Mapping[str, type[Driver]]:
-    """The drivers of this kind of session, by type."""
-    if options.training is None:
-        return catalogue
-    from woz_tui.training.rehearsal_driver import rehearsed  # noqa: PLC0415
+def _rerun(
+    host: SessionServer, plan: RerunPlan | None, options: HostOptions
+) -> RerunSession | None:
+    if plan is None or options.rerun is None:
+        return None
+    from woz_tui.host.rerun_session import RerunSession  # noqa: PLC0415
 
-    return rehearsed(catalogue)
-
-
-def _played(
-    host: SessionServer, options: HostOptions, plan: RerunPlan | None, cues: tuple[PlannedCue, ...]
-) -> tuple[RerunSession | None, TrainingSession | None]:
-    """What goes on in the session by itself, if anything does."""
-    rerun = training = None
-    if plan is not None and options.rerun is not None:
-        from woz_tui.host.rerun_session import RerunSession  # noqa: PLC0415
-
-        rerun = RerunSession(host, plan, options.rerun)
-    if options.training is not None:
-        from woz_tui.host.training_session import TrainingSession  # noqa: PLC0415
-
-        training = TrainingSession(host, cues)
-    return rerun, training
+    return RerunSession(host, plan, options.rerun)
 
 
 def _leave_within(seconds: float) -> None:

@@ -68,11 +68,13 @@ class SessionFeature:
         self.session = session
 
     @classmethod
-    def check_start(cls, value: str, experiment: Experiment) -> None:
-        """Raise `RequestError` unless a session can begin with this value of the start option."""
+    def check_start(cls, value: Any, experiment: Experiment) -> None:
+        """Raise `RequestError` unless a session can begin with this value of the start option, or
+        of the feature's `host.session_kind.SessionKind`.
+        """
 
-    def start(self, value: str) -> None:
-        """The session begins with this value of the feature's start option."""
+    def start(self, value: Any) -> None:
+        """The session begins with this value."""
 
     def begin(self) -> None:
         """The session begins; drivers look for their hardware."""
@@ -159,8 +161,8 @@ class SessionFeatures:
         """The feature of this kind; `KeyError` if there is none, or if it has failed."""
         return cast("F", self._all[self._names[kind]])
 
-    def start(self, name: str, value: str) -> None:
-        """The session begins with this value of the start option of the feature `name`."""
+    def start(self, name: str, value: object) -> None:
+        """The session begins with this value for the feature `name`."""
         self._all[name].start(value)
 
     def begin(self) -> None:

@@ -8,9 +8,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from woz_tui.bus.hub import Hub
+from woz_tui.features.training.cue_plan import APPROACH, LEAVE, PlannedCue
+from woz_tui.features.training.training_visitor import (
+    DRIVER,
+    PERIOD_S,
+    TrainingVisitor,
+    seconds_to_say,
+)
 from woz_tui.protocol import messages as m
-from woz_tui.training.cue_plan import APPROACH, LEAVE, PlannedCue
-from woz_tui.training.training_visitor import DRIVER, PERIOD_S, TrainingVisitor, seconds_to_say
 
 #: Whoever does these did not answer anybody.
 _NO_ANSWERS = frozenset({"engagement", "replay", "program"})

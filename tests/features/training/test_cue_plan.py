@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.session.rig import action, call, experiment, together
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Study, Training, TrainingCue
-from woz_tui.training.cue_plan import REQUEST, planned_cues
+from woz_tui.features.training.cue_plan import REQUEST, planned_cues
 
 CUES = (
     TrainingCue("approach", ("Hello", "Welcome")),

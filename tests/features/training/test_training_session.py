@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,20 +13,21 @@ from tests.host.rig import ServedSession, served_session
 from woz_tui.config.experiment import Phase
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
-from woz_tui.host import training_session
-from woz_tui.host.training_session import NOBODY, TrainingSession, in_training, without_participant
+from woz_tui.features.training import training_course
+from woz_tui.features.training.cue_plan import PlannedCue
+from woz_tui.features.training.in_session import TrainingSession
+from woz_tui.features.training.session_kind import NOBODY, TRAINING
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
-from woz_tui.training.cue_plan import PlannedCue
 
-STUDY = Path(__file__).parents[2] / "experiments" / "study.yaml"
+STUDY = Path(__file__).parents[3] / "experiments" / "study.yaml"
 APPROACH = PlannedCue("approach", "", ("Hello",), 30_000_000, 1_000)
 
 
 @pytest.fixture(autouse=True)
 def soon(monkeypatch: pytest.MonkeyPatch) -> None:
     """The first cue comes at once."""
-    monkeypatch.setattr(training_session, "WARNING_S", 0.01)
+    monkeypatch.setattr(training_course, "WARNING_S", 0.01)
 
 
 def states(host: ServedSession) -> list[tuple[str, int]]:
@@ -33,9 +35,16 @@ def states(host: ServedSession) -> list[tuple[str, int]]:
     return [(line.state, line.right) for line in host.of(m.TrainingChanged)]
 
 
+def trained(host: ServedSession, cues: Sequence[PlannedCue]) -> TrainingSession:
+    """A session in which these are given."""
+    training = host.session.features.of(TrainingSession)
+    training.train(cues)
+    return training
+
+
 async def test_it_begins_when_the_wizard_says_so_and_says_how_it_went(tmp_path: Path) -> None:
     async with served_session(tmp_path) as host:
-        session = TrainingSession(host.host, (APPROACH,))
+        trained(host, (APPROACH,))
         watcher = await host.connect()
         await watcher.hello("watcher")
         await watcher.ask("marker", text="nobody plays yet")
@@ -54,26 +63,24 @@ async def test_it_begins_when_the_wizard_says_so_and_says_how_it_went(tmp_path: 
         assert (over.right, over.wrong, over.missed) == (1, 0, 0)
         assert over.median_us >= 0
         assert [state for state, _ in states(host)] == ["waits", "runs", "over"]
-        session.end()
 
 
 async def test_before_a_wizard_has_come_nothing_begins_and_the_reason_is_true(
     tmp_path: Path,
 ) -> None:
     async with served_session(tmp_path) as host:
-        session = TrainingSession(host.host, (APPROACH,))
+        trained(host, (APPROACH,))
         program = await host.connect()
         await program.hello("program")
         answer = await program.ask("training")
         assert not answer["ok"]
         assert answer["reason"] == "no wizard has come yet"
         assert states(host) == []
-        session.end()
 
 
 async def test_another_wizard_goes_on_with_it(tmp_path: Path) -> None:
     async with served_session(tmp_path) as host:
-        session = TrainingSession(host.host, (APPROACH, APPROACH))
+        trained(host, (APPROACH, APPROACH))
         first, second = await host.connect(), await host.connect()
         await first.hello("wizard")
         assert (await first.ask("training"))["ok"]
@@ -82,21 +89,20 @@ async def test_another_wizard_goes_on_with_it(tmp_path: Path) -> None:
         await second.ask("action", action="Welcome", source="key")
         await host.published(lambda line: isinstance(line, m.CueAnswered))
         assert [state for state, _ in states(host)] == ["waits", "runs"]
-        session.end()
 
 
 async def test_a_session_that_ends_before_it_begins_gives_no_cue(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(training_session, "WARNING_S", 1.0)
+    monkeypatch.setattr(training_course, "WARNING_S", 1.0)
     async with served_session(tmp_path) as host:
-        session = TrainingSession(host.host, (APPROACH,))
+        training = trained(host, (APPROACH,))
         wizard = await host.connect()
         await wizard.hello("wizard")
         assert (await wizard.ask("training"))["ok"]
-        session.end()
+        training.close()
         # Each begins behind its like that would give the cue, however late the loop may be.
-        await asyncio.sleep(training_session.WARNING_S)
+        await asyncio.sleep(training_course.WARNING_S)
         await asyncio.sleep(APPROACH.pause_us / 1e6)
         assert not host.of(m.Reading, m.CueGiven)
 
@@ -104,21 +110,21 @@ async def test_a_session_that_ends_before_it_begins_gives_no_cue(
 async def test_nobody_takes_part_and_every_utterance_can_be_said(tmp_path: Path) -> None:
     async with served_session(tmp_path) as host:
         experiment = host.session.experiment
-    assert in_training(SessionIdentity(), experiment) == SessionIdentity(
+    assert TRAINING.identity(SessionIdentity(), experiment) == SessionIdentity(
         participant=NOBODY, condition="warm"
     )
-    assert in_training(SessionIdentity(condition="cold"), experiment).condition == "cold"
+    assert TRAINING.identity(SessionIdentity(condition="cold"), experiment).condition == "cold"
 
 
 def test_nobody_is_asked_anything_in_a_training() -> None:
     whole = load(STUDY, installed())
     assert whole.study.questionnaires
     assert whole.study.preflight
-    left = without_participant(whole)
+    left = TRAINING.experiment(whole)
     assert left.study.questionnaires == ()
     assert left.study.preflight == ()
     kept = ("design", "perception", "training")
     assert all(getattr(left.study, name) == getattr(whole.study, name) for name in kept)
     assert (left.panels, left.sections) == (whole.panels, whole.sections)
     talk = replace(whole, phases=(Phase("talk", panels=("Speech",), lock_others=True),))
-    assert without_participant(talk).phases == ()
+    assert TRAINING.experiment(talk).phases == ()

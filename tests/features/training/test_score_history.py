@@ -8,8 +8,8 @@ import pytest
 
 from tests.log.recorder_rig import RecorderRig
 from woz_tui.cli import main
+from woz_tui.features.training.score_history import history, score_of
 from woz_tui.protocol import messages as m
-from woz_tui.training.score_history import history, score_of
 
 
 def training(folder: Path, wizard: str, verdicts: list[tuple[str, int]]) -> Path:

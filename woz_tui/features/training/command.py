@@ -18,8 +18,8 @@ from woz_tui.cli.host_start import host_arguments
 from woz_tui.cli.shared_options import add_keymap, add_robot, add_theme, builtins
 from woz_tui.cli.wizard_code import remembered_wizard, wizard_code
 from woz_tui.console.drawing.text_console import TextConsole
+from woz_tui.features.training.score_history import TrainingScore, history, score_of
 from woz_tui.session.participant_identity import check_code
-from woz_tui.training.score_history import TrainingScore, history, score_of
 
 #: Beside the recordings of sessions with participants, never among them.
 FOLDER = Path("recordings/training")

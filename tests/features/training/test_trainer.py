@@ -10,11 +10,11 @@ from typing import Self
 import pytest
 
 from tests.session.rig import Kind, SessionRig
+from woz_tui.features.training.cue_plan import PlannedCue
+from woz_tui.features.training.trainer import Trainer
+from woz_tui.features.training.training_visitor import AWAY_M, NEAR_M, TrainingVisitor
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.training.cue_plan import PlannedCue
-from woz_tui.training.trainer import Trainer
-from woz_tui.training.training_visitor import AWAY_M, NEAR_M, TrainingVisitor
 
 KEY = RequestOrigin("key", "h")
 

@@ -7,11 +7,18 @@ from typing import Any
 
 import pytest
 
-from tests.session.rig import NoSettings, ScriptedDriver
+from tests.fakes.ports import free_port
+from tests.network.installed_worker import installed_worker
+from tests.network.test_session_with_places import TEXT as BESIDE_ANOTHER
+from tests.session.rig import NoSettings, ScriptedDriver, SessionRig
+from tests.session.test_driver_processes import TEXT as IN_A_PROCESS
+from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Argument, Driver, PassiveDriver, Verb
 from woz_tui.drivers.plugins import installed
+from woz_tui.features.training.rehearsal_driver import rehearsal_of, rehearsed, seconds_of
+from woz_tui.network.driver_process import ProcessDriver
+from woz_tui.protocol import messages as m
 from woz_tui.testing import PlainJob, RecordingContext
-from woz_tui.training.rehearsal_driver import rehearsal_of, rehearsed, seconds_of
 
 SAY = Verb("say", "", (Argument("text", "text", required=True),), limit_s=20.0)
 
@@ -67,3 +74,25 @@ async def test_nothing_moves_in_a_rehearsal_so_nobody_can_know(tmp_path: Path) -
 )
 def test_how_long_it_takes(verb: Verb | None, args: dict[str, Any], seconds: float) -> None:
     assert seconds_of(verb, args) == pytest.approx(seconds)
+
+
+async def test_a_training_needs_no_other_computer(tmp_path: Path) -> None:
+    path = tmp_path / "e.yaml"
+    path.write_text(BESIDE_ANOTHER.format(port=free_port(), text="Hi"))
+    catalogue = rehearsed(installed())
+    rig = SessionRig(tmp_path, catalogue=catalogue, made=load(path, catalogue))
+    async with rig:
+        assert rig.kinds(m.DriverConnected) == ["DriverConnected"]
+
+
+async def test_in_a_training_drivers_stay_with_a_body_that_does_not_move(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    catalogue = installed_worker(tmp_path, monkeypatch)
+    path = tmp_path / "e.yaml"
+    path.write_text(IN_A_PROCESS.replace("{type: worker}", "{type: worker, beside: body}"))
+    experiment = load(path, catalogue)
+    rig = SessionRig(tmp_path, catalogue=rehearsed(catalogue), made=experiment)
+    assert not any(isinstance(driver, ProcessDriver) for driver in rig.session.drivers.values())
+    async with rig:
+        pass

@@ -1,0 +1,17 @@
+"""Training of wizards: cues of a simulated visitor, answers, scores."""
+
+from woz_tui.feature import CommandLine, Feature
+
+
+class Training(Feature):
+    """A simulated visitor gives cues, the wizard answers them, and nothing moves."""
+
+    name = "training"
+    session = "in_session:TrainingSession"
+    session_kind = "session_kind:TRAINING"
+    command = CommandLine(
+        "train",
+        "train a wizard: a simulated visitor gives cues, answers are scored",
+        module="command",
+        behind="demo",
+    )

@@ -1,1 +1,0 @@
-"""Training of wizards: cues, answers, scores."""

@@ -86,7 +86,7 @@ UNLOADED = [
 #: come with it at the most, beyond those of a bare Textual app. Each costs a wizard who waits.
 STARTS = {
     "console": ("woz_tui.cli.run as run; run.console_start.load_modules()", 194),
-    "robot process": ("woz_tui.host.robot_process", 296),
+    "robot process": ("woz_tui.host.robot_process", 297),
 }
 
 

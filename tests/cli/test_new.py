@@ -49,7 +49,6 @@ def test_every_template_is_right_without_a_warning(
     assert said.count("\n#") >= 2
     study = "--free" not in options
     assert bool(experiment.study.questionnaires) is study
-    assert bool(experiment.study.training.cues) is study
 
 
 def test_the_tutorial_tells_what_the_template_has(

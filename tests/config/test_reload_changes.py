@@ -49,7 +49,6 @@ class Edit:
             ["perception: hide face, it was nothing"],
         ),
         Edit("script:", "preflight: [Shut]\nscript:", ["preflight 'Shut' is new"]),
-        Edit("script:", "training: {count: 3}\nscript:", ["training changed"]),
         Edit(
             "script:",
             "questionnaires: [{name: q, items: [a]}]\nscript:",

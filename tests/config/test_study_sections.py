@@ -14,8 +14,6 @@ from woz_tui.config.study import (
     Design,
     PerceptionLimits,
     Study,
-    Training,
-    TrainingCue,
 )
 from woz_tui.config.study_sections import NAME_PATTERN, name_from_text
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
@@ -74,19 +72,6 @@ def test_questionnaires_and_their_items(whole: Experiment) -> None:
 def test_preflight_and_perception(whole: Experiment) -> None:
     assert whole.study.preflight == ("The camera sees the whole table", "No")
     assert whole.study.perception == PerceptionLimits(("distance", "face"), ("transcript",))
-
-
-def test_training(whole: Experiment) -> None:
-    assert whole.study.training == Training(
-        (
-            TrainingCue("question", ("Hello", "Bye"), ("What is this?", "Off?")),
-            TrainingCue("approach", ("Hello",), window=2.0),
-            TrainingCue("leave", ("Bye",), ("Bye",)),
-        ),
-        count=5,
-        window=3.0,
-        pause=2.0,
-    )
 
 
 def test_variables_by_condition(whole: Experiment) -> None:
@@ -156,7 +141,6 @@ def test_a_name_made_of_a_question(text: str, code: str) -> None:
     ("section", "said"),
     [
         ("perception: {hide: [distance], blur: [distance]}", "perception.blur[0]: is hidden"),
-        ("training: {cues: [{cue: leave, answers: Locked}]}", "training.cues[0].answers: 'Locked'"),
         (
             "questionnaires: [{name: a, when: condition, items: [b]}]",
             "questionnaires[0].when: without a design",

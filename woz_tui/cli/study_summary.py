@@ -10,7 +10,7 @@ from woz_tui.analysis.text_format import counted
 from woz_tui.config.counterbalancing import Order, block_size, planned, rows
 from woz_tui.config.experiment import Experiment, Phase
 from woz_tui.config.feature_section import FeatureSection
-from woz_tui.config.study import Design, Training
+from woz_tui.config.study import Design
 from woz_tui.feature import pieces
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.welcome import Questionnaire
@@ -52,8 +52,6 @@ def study_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
         yield "hidden", ", ".join(study.perception.hide)
     if study.perception.blur:
         yield "blurred", ", ".join(study.perception.blur)
-    if study.training != Training():
-        yield "training", _training(study.training)
 
 
 def _phase(phase: Phase, experiment: Experiment) -> str:
@@ -75,9 +73,8 @@ def as_json(experiment: Experiment) -> dict[str, Json]:
         del sections[now]
     sections["phases"] = msgspec.to_builtins(experiment.phases)
     sections["preflight"] = [*study.preflight]
-    sections["training"] = training = msgspec.to_builtins(study.training)
-    for cue in training["cues"]:  # as programs have known it since the first version
-        cue["sort"] = cue.pop("cue")
+    for section in pieces("section", FeatureSection).values():
+        sections |= section.as_json(section.of(experiment))
     if study.design is not None:
         sections["orders"] = [[*order] for order in rows(study.design, experiment.conditions)]
         sections["planned"] = planned(study.design, experiment.conditions)
@@ -112,10 +109,3 @@ def _questionnaire(questionnaire: Questionnaire) -> str:
     parts += [f"scales {' and '.join(scales)}"] if scales else []
     parts += [f"{texts} in words"] if texts else []
     return ", ".join(parts)
-
-
-def _training(training: Training) -> str:
-    cues = ", ".join(f"{cue.cue}: {' or '.join(cue.answers)}" for cue in training.cues)
-    count = counted(training.count, "cue")
-    made = cues or "made from the actions"
-    return f"{count}, answered within {training.window:g} s ({made})"

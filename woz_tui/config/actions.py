@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from woz_tui.config.annotated_decoder import names_of, read_partly
 from woz_tui.config.experiment import ARRIVED, Action, Panel, ParallelCalls, Step, Wait
 from woz_tui.config.experiment_file import ActionEntry, PanelEntry
 from woz_tui.config.keys.chords import KeyNameError, normal_key
-from woz_tui.config.problems import quoted
 from woz_tui.config.session_verbs import WAIT
 from woz_tui.config.verb_calls import CallReader, Vocabulary
-from woz_tui.config.yaml_cursor import Cursor, read_seconds, read_text, read_word, texts_of
+from woz_tui.config.yaml_cursor import Cursor, read_seconds, read_text, read_word
 from woz_tui.config.yaml_nodes import ListNode, ScalarNode
 from woz_tui.drivers.fields import Range
 
@@ -34,23 +33,6 @@ class ActionDraft:
     def entries(self) -> dict[str, Cursor]:
         """What the file says of it, by name."""
         return dict(self.cursor.entries())
-
-
-def check_actions(
-    names: Cursor | None, actions: Mapping[str, Action], purpose: str = "be played"
-) -> list[tuple[Cursor, Action]]:
-    """Report names of actions that do not exist or are locked; return the others with places."""
-    found = []
-    for entry, name in texts_of(names):
-        action = actions.get(name)
-        if action is None:
-            near = entry.report.hint(name, actions, or_list="actions are")
-            entry.error(f"there is no action {quoted(name)}{near}")
-        elif action.locked:
-            entry.warning(f"{quoted(name)} is locked and cannot {purpose}")
-        else:
-            found.append((entry, action))
-    return found
 
 
 class StepReader:

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.actions import ActionDraft, check_actions
+from woz_tui.config.action_names import check_actions
+from woz_tui.config.actions import ActionDraft
 from woz_tui.config.annotated_decoder import values_with_note
 from woz_tui.config.command_remarks import SECRET, hidden_arguments
 from woz_tui.config.experiment import Action, Experiment, Panel

@@ -12,6 +12,7 @@ from woz_tui.config.file_position import FilePosition
 from woz_tui.config.languages import Language
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.contract import Verb
+from woz_tui.protocol.messages import Json
 
 S = TypeVar("S")
 
@@ -20,15 +21,16 @@ S = TypeVar("S")
 class FileContents:
     """What else stands in the file, for a section that names some of it.
 
-    `verbs`: of all drivers, and those that need none. `sensors`: names of all that drivers publish;
-    None: nobody knows. `place`: where the file begins. `step`: reads the verbs of an entry, which
-    has a table, and whom it names. `complete`: the robot files are right. Else a driver is missing
-    here, and what only it knows must not be called unknown: that would hide the mistake that is
-    there.
+    `verbs`: of all drivers, and those that need none. `actions`: by name. `sensors`: names of all
+    that drivers publish; None: nobody knows. `place`: where the file begins. `step`: reads the
+    verbs of an entry, which has a table, and whom it names. `complete`: the robot files are right.
+    Else a driver is missing here, and what only it knows must not be called unknown: that would
+    hide the mistake that is there.
     """
 
     panels: Sequence[Panel]
     verbs: Sequence[Verb]
+    actions: Mapping[str, Action]
     sensors: Collection[str] | None
     language: Language
     variables: Variables
@@ -86,6 +88,14 @@ class FeatureSection(Generic[S]):
     def summary(self, section: S) -> Iterable[tuple[str, str]]:
         """What `woz check` says of it: subjects and sentences."""
         return ()
+
+    def as_json(self, section: S) -> Mapping[str, Json]:
+        """What `woz check --format json` says of it, beside what it says of the study."""
+        return {}
+
+    def beginning(self, script: Sequence[str]) -> str:
+        """What `woz new` writes of it into the file of a study, whose script has these labels."""
+        return ""
 
     def of(self, experiment: Experiment) -> S:
         """What an experiment's file says of it."""

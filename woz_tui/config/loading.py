@@ -178,10 +178,12 @@ class _ExperimentDecoder:
         read = tuple(panels.read(panels_cursor)) if panels_cursor is not None else ()
         offered = [verb for spec in robots.drivers for verb in spec.offer.verbs]
         verbs = [*offered, *(offer.verb for offer in vocabulary.own.values())]
+        actions = {draft.action.name: draft.action for draft in panels.drafts}
         sensors = _published(playing)
         contents = FileContents(
             read,
             verbs,
+            actions,
             sensors,
             language,
             variables,
@@ -194,11 +196,10 @@ class _ExperimentDecoder:
             for section in pieces("section", FeatureSection).values()
         }
         verb_names = {verb.name for verb in verbs} if contents.complete else None
-        actions = {draft.action.name: draft.action for draft in panels.drafts}
         reader = EngagementReader(vocabulary, steps, actions)
         engagement = reader.read(section) if section is not None else None
         playable = None if verb_names is None else verb_names | {panel.title for panel in read}
-        around = StudyReferences(conditions, actions, playable)
+        around = StudyReferences(conditions, playable)
         experiment = Experiment(
             title=file.title,
             path=self._path.absolute(),

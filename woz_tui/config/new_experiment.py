@@ -15,9 +15,11 @@ import msgspec
 from woz_tui.config import utterance_template
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.experiment_file import TOP_LEVEL
+from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver
+from woz_tui.feature import pieces
 
 #: The conditions for which the templates have sentences: `text` and `other` of a line.
 PAIR = ("neutral", "empathic")
@@ -166,16 +168,6 @@ _LAST_ACTIONS = """\
       - {{key: z, label: Marker, mark: look at this again}}
 """
 
-_TRAINING = """\
-training:                     # `woz train`: a visitor is simulated, you answer
-  count: 10
-  cues:
-    - {{cue: approach, answers: {first}}}
-    - {{cue: question, says: ["Is that so?", "Really?"], answers: ["Yes", "No"]}}
-    - {{cue: question, says: ["I work here.", "It is warm today."], answers: I see}}
-    - {{cue: leave, answers: {last}}}
-"""
-
 
 def experiment_text(template: Template, answers: Mapping[str, str], abilities: Abilities) -> str:
     """The whole file; `answers` by the question's name."""
@@ -227,7 +219,9 @@ def _text_lines(
         after = f", after: {title}"
     yield ""
     if is_study:
-        yield _TRAINING.format(first=script[0].label, last=script[-1].label)
+        for section in pieces("section", FeatureSection).values():
+            if text := section.beginning([line.label for line in script]):
+                yield text
 
 
 def _sentence(line: Line, conditions: list[str]) -> str:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from woz_tui.config.actions import check_actions
+from woz_tui.config.action_names import check_actions
 from woz_tui.config.annotated_decoder import read_entries
 from woz_tui.config.experiment import Action, Phase
 from woz_tui.config.problems import quoted

@@ -135,8 +135,6 @@ def _study(old: Study, new: Study) -> Iterable[str]:
         yield from _part(part, old, new)
     if old.answers != new.answers:
         yield "answers changed"
-    if old.training != new.training:
-        yield "training changed"
 
 
 def _part(part: str, old: Study, new: Study) -> Iterable[str]:

@@ -1,8 +1,7 @@
 """What an experiment file may say about the study around the robot.
 
 The shapes alone: who gets which condition (`design`), what is asked of people (`questionnaires`,
-`preflight`), what the wizard sees (`perception`), and how wizards are
-trained (`training`).
+`preflight`), and what the wizard sees (`perception`).
 """
 
 from __future__ import annotations
@@ -11,17 +10,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
-from woz_tui.config.study_words import BLURRED, ORDERS, PERCEIVED, TRAINING_CUES, WHENS
+from woz_tui.config.study_words import BLURRED, ORDERS, PERCEIVED, WHENS
 from woz_tui.drivers.fields import (
     Doc,
     Entry,
     NotBlank,
     NotEmpty,
     OneOf,
-    OneOrMore,
     Range,
     ReadApart,
-    Seconds,
     Unique,
 )
 from woz_tui.protocol.welcome import Questionnaire
@@ -121,47 +118,6 @@ class PerceptionLimits:
     ] = ()
 
 
-_Window = Annotated[float, Seconds(0.5, 60), Doc("time limit for the answer, in seconds")]
-
-
-@dataclass(frozen=True, slots=True)
-class TrainingCue(Entry):
-    """Something the simulated visitor does, and the actions that answer it rightly."""
-
-    what = "a cue"
-    example = "{cue: question, answers: [...]}"
-    cue: Annotated[str, OneOf(TRAINING_CUES), Doc("what the visitor does")]
-    answers: Annotated[
-        tuple[str, ...],
-        OneOrMore("the name of an action"),
-        NotEmpty("an action is missing here"),
-        Doc("names of the correct actions"),
-    ]
-    says: Annotated[
-        tuple[str, ...],
-        OneOrMore("what the visitor says"),
-        Doc("what the visitor says; one of several"),
-    ] = ()
-    #: None: as the section says.
-    window: _Window | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Training:
-    """What `woz train` does. Without cues it makes them from the experiment's actions."""
-
-    cues: Annotated[
-        tuple[TrainingCue, ...],
-        NotEmpty(
-            "the list has no cue; add one, or remove cues: they are then made from the actions"
-        ),
-        Doc("what the visitor does, and which actions answer it"),
-    ] = ()
-    count: Annotated[int, Range(1, 1000), Doc("cues in one training")] = 20
-    window: _Window = 4.0
-    pause: Annotated[float, Seconds(0.5, 60), Doc("seconds between two cues, on average")] = 3.0
-
-
 @dataclass(frozen=True, slots=True)
 class Study:
     """All of it; an experiment without these sections has the defaults."""
@@ -189,4 +145,3 @@ class Study:
     perception: Annotated[
         PerceptionLimits, Doc("sensor values that are hidden from the wizard")
     ] = PerceptionLimits()
-    training: Annotated[Training, Doc("settings of `woz train`")] = Training()

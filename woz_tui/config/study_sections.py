@@ -1,6 +1,6 @@
 """The sections of an experiment file that are about the study, read into one `Study`.
 
-`design`, `questionnaires`, `preflight`, `perception`, `training`:
+`design`, `questionnaires`, `preflight`, `perception`:
 
 design: {order: latin-square, trials: 3, blind: {warm: Lemon, cold: Orange}}
 questionnaires:
@@ -20,7 +20,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from woz_tui.config.actions import check_actions
 from woz_tui.config.annotated_decoder import (
     INVALID,
     Invalid,
@@ -31,7 +30,6 @@ from woz_tui.config.annotated_decoder import (
 )
 from woz_tui.config.condition_texts import texts
 from woz_tui.config.counterbalancing import letters
-from woz_tui.config.experiment import Action
 from woz_tui.config.problems import quoted
 from woz_tui.config.study import (
     Design,
@@ -255,7 +253,6 @@ class StudyReferences:
     """
 
     conditions: Sequence[str]
-    actions: Mapping[str, Action]
     playable: Collection[str] | None
 
 
@@ -268,14 +265,12 @@ def read_study(file: Study, table: Mapping[str, Cursor], around: StudyReferences
     if design is None and "design" not in table:
         _without_a_design(table.get("questionnaires"))
     _check_perception(file.perception, table.get("perception"))
-    _check_training(table.get("training"), around.actions)
     return Study(
         design=design,
         questionnaires=questionnaires,
         preflight=file.preflight,
         answers=_answering(table.get("answers"), around.playable),
         perception=file.perception,
-        training=file.training,
     )
 
 
@@ -324,10 +319,3 @@ def _check_perception(perception: PerceptionLimits, cursor: Cursor | None) -> No
     for entry, word in texts_of(blur):
         if word in perception.hide:
             entry.warning("is hidden already and cannot be blurred as well")
-
-
-def _check_training(cursor: Cursor | None, actions: Mapping[str, Action]) -> None:
-    """Names of actions that there are not, or that are locked."""
-    cues = dict(cursor.entries()).get("cues") if cursor is not None else None
-    for entry in cues.items() if cues is not None else ():
-        check_actions(dict(entry.entries()).get("answers"), actions, "be an answer")

@@ -13,9 +13,6 @@ PERCEIVED = (
     *("engagement", "joints", "face"),
 )
 BLURRED = ("transcript", "distance", "loudness")
-#: What a simulated visitor can do that wants an answer.
-TRAINING_CUES = ("approach", "question", "silence", "turn-away", "leave")
-
 
 #: Outcomes after which the next trial comes; an aborted one is run again.
 OVER = ("done", "excluded")

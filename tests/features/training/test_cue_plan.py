@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from tests.session.rig import action, call, experiment, together
 from woz_tui.config.experiment import Experiment
-from woz_tui.config.study import Study, Training, TrainingCue
 from woz_tui.features.training.cue_plan import REQUEST, planned_cues
+from woz_tui.features.training.section import TRAINING, Training, TrainingCue
 
 CUES = (
     TrainingCue("approach", ("Hello", "Welcome")),
@@ -24,7 +24,7 @@ MADE = experiment(Path("/nowhere"))
 
 
 def with_cues(*cues: TrainingCue) -> Experiment:
-    return replace(MADE, study=Study(training=Training(cues=cues, count=9, window=3.0, pause=2.0)))
+    return replace(MADE, sections={TRAINING: Training(cues=cues, count=9, window=3.0, pause=2.0)})
 
 
 def test_the_files_cues_are_given_as_often_as_it_says() -> None:

@@ -123,7 +123,7 @@ def test_nobody_is_asked_anything_in_a_training() -> None:
     left = TRAINING.experiment(whole)
     assert left.study.questionnaires == ()
     assert left.study.preflight == ()
-    kept = ("design", "perception", "training")
+    kept = ("design", "perception")
     assert all(getattr(left.study, name) == getattr(whole.study, name) for name in kept)
     assert (left.panels, left.sections) == (whole.panels, whole.sections)
     talk = replace(whole, phases=(Phase("talk", panels=("Speech",), lock_others=True),))

@@ -7,6 +7,7 @@ class Training(Feature):
     """A simulated visitor gives cues, the wizard answers them, and nothing moves."""
 
     name = "training"
+    section = "section:TRAINING"
     session = "in_session:TrainingSession"
     session_kind = "session_kind:TRAINING"
     command = CommandLine(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from woz_tui.config.experiment import Action, Experiment
 from woz_tui.config.performers import ENGAGEMENT, SESSION
-from woz_tui.config.study import Training, TrainingCue
+from woz_tui.features.training.section import TRAINING, Training, TrainingCue
 
 #: An experiment without cues of its own: the visitor asks for an action by its label.
 REQUEST = "request"
@@ -39,7 +39,7 @@ def planned_cues(experiment: Experiment, count: int | None, seed: int) -> tuple[
     Raises:
         ValueError: The experiment has neither cues nor actions with which a training is possible.
     """
-    training = experiment.study.training
+    training = TRAINING.of(experiment)
     cues = training.cues or tuple(requests(experiment))
     if not cues:
         raise ValueError(

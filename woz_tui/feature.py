@@ -74,6 +74,7 @@ class Feature:
         keys: A file with its keys of the console, made like `config/keys/builtin_keys.json`.
         sentences: What the console's list of events says of its messages, made like
             `console.state.event_sentences.SENTENCES`.
+        notes: A subclass of `console.state.feature_notes.FeatureNotes`: what a screen keeps of it.
         console: A `console.widgets.feature_console.FeatureConsole`: what it has on the screen.
         gate: A `gate.table.FeatureGate`: what it forbids.
         session: A subclass of `session.session_features.SessionFeature`: what it does in a session.
@@ -93,6 +94,7 @@ class Feature:
     words: ClassVar[str] = ""
     keys: ClassVar[str] = ""
     sentences: ClassVar[str] = ""
+    notes: ClassVar[str] = ""
     console: ClassVar[str] = ""
     gate: ClassVar[str] = ""
     session: ClassVar[str] = ""

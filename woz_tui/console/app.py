@@ -17,7 +17,7 @@ from woz_tui.config.keys.console_keys import BuiltinKey, builtin_keys_with
 from woz_tui.config.keys.keymap import key_map
 from woz_tui.config.keys.terminals import PLAIN, STOPS, Terminal
 from woz_tui.config.keys.textual_names import from_textual
-from woz_tui.console.commands import COMMANDS, by_key, calls, hints
+from woz_tui.console.commands import COMMANDS, by_key, calls, hints, open_named
 from woz_tui.console.drawing.cells import Cells, clean
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.drawing.key_caps import KeyCap, cap_of, caption, key_name
@@ -29,13 +29,15 @@ from woz_tui.console.robot_settings.step_sizes import ArrowSteps
 from woz_tui.console.screen_app import PAINT_S, ScreenApp
 from woz_tui.console.screens.dialog import ConsoleCommand, Dialog
 from woz_tui.console.state.event_sentences import EventLine
+from woz_tui.console.state.feature_notes import StudyNews
 from woz_tui.console.state.remedy_text import remedy_text
-from woz_tui.console.state.study import StudyNews
 from woz_tui.console.widgets.bottom_rows import BarInfo, News
 from woz_tui.console.widgets.event_list import act_text
+from woz_tui.console.widgets.feature_console import FeatureConsole
 from woz_tui.console.widgets.main_screen import MainScreen
 from woz_tui.console.widgets.meters import turned_away
 from woz_tui.console.widgets.status_rows import StatusInfo
+from woz_tui.feature import pieces
 from woz_tui.protocol.camera_pictures import PictureShown
 from woz_tui.protocol.messages import (
     ConsoleAttached,
@@ -45,7 +47,6 @@ from woz_tui.protocol.messages import (
     SessionStart,
     StopPressed,
     StopReleased,
-    TrainingChanged,
 )
 from woz_tui.protocol.requests import Reply, Welcome
 
@@ -122,7 +123,8 @@ class Console(ScreenApp):
         #: How the session began in which it was asked; its log may change its name.
         self._asked_in: SessionStart | None = None
         self._edition = 0
-        self._training: TrainingChanged | None = None
+        #: What features offered a dialog about last.
+        self._offered: dict[str, object] = {}
         self._was_lost = self._was_stopped = self._alt_told = False
         self._lost_t = 0
         self._loss = Loss("")
@@ -190,7 +192,7 @@ class Console(ScreenApp):
                 self._cut(came, local)
             else:
                 self._work_in(came, local)
-        self._follow_training()
+        self._open_offered()
         for tiding in self.state.study.read_news():
             self.news(self._sentence(tiding), tiding.look)
         if (refusal := self.state.runs.read_refusal()) is not None:
@@ -256,12 +258,15 @@ class Console(ScreenApp):
             self.state.lose(replace(self.state.lost, why=why))
             self.paint()
 
-    def _follow_training(self) -> None:
-        """Offer what a training offers at this moment, once."""
-        training = self.state.session.training
-        if training != self._training:
-            self._training = training
-            calls("screens.training:open_training")(self)
+    def _open_offered(self) -> None:
+        """Open what features offer at this moment, each once."""
+        for name, console in pieces("console", FeatureConsole).items():
+            offer = console.offers(self.state) if console.offers is not None else None
+            about = offer.about if offer is not None else None
+            if about != self._offered.get(name):
+                self._offered[name] = about
+                if offer is not None and offer.opens:
+                    open_named(self, offer.opens)
 
     def _sentence(self, tiding: StudyNews) -> str:
         """With the keys that it names."""

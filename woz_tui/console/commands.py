@@ -10,7 +10,9 @@ Dialogs are imported when they are first opened: the first painting does not wai
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
 from pkgutil import resolve_name
 from typing import Any
 
@@ -243,7 +245,7 @@ _COMMANDS = (
     _row("start", opens("screens.start:StartDialog")),
     _row(
         "trial",
-        calls("screens.training:open_trial"),
+        opens("screens.trial:TrialDialog"),
         hint=KeyHint(2.4, "trial", _between_trials),
         users=WATCHER,
     ),
@@ -303,6 +305,11 @@ _COMMANDS = (
 )
 
 
+def open_named(app: ConsoleApp, dialog: str) -> None:
+    """Open the dialog `package.module:Class` of a feature."""
+    app.open_dialog(resolve_name(dialog)())
+
+
 def _of_feature(command: FeatureCommand) -> ConsoleCommand:
     action = played_by(command.key)
 
@@ -313,7 +320,7 @@ def _of_feature(command: FeatureCommand) -> ConsoleCommand:
         if action:
             key = app.key_of(command.key)
             app.requests.ask(AskAction(action=action, source="key", key=key))
-        app.open_dialog(resolve_name(command.opens)())
+        open_named(app, command.opens)
 
     users = WATCHER if command.watchers else WIZARD
     if not command.opens:
@@ -322,11 +329,25 @@ def _of_feature(command: FeatureCommand) -> ConsoleCommand:
     return _row(command.key, run, also=command.also, users=users)
 
 
-COMMANDS = (
-    *_COMMANDS,
-    *(
-        _of_feature(command)
-        for each in pieces("console", FeatureConsole).values()
-        for command in each.commands
-    ),
-)
+def _with_features() -> Iterator[ConsoleCommand]:
+    """Ours, of which features may carry out something else at times, then theirs."""
+    consoles = pieces("console", FeatureConsole).values()
+    for command in _COMMANDS:
+        for console in consoles:
+            if command.run is not None and command.name in console.instead:
+                run = partial(_run_either, command.run, console.instead[command.name])
+                command = replace(command, run=run)  # noqa: PLW2901 - several may take it
+        yield command
+    for console in consoles:
+        yield from map(_of_feature, console.commands)
+
+
+def _run_either(run: Run, instead: Callable[[ConsoleState], str | None], app: ConsoleApp) -> None:
+    dialog = instead(app.state)
+    if dialog is None:
+        run(app)
+    elif dialog:
+        open_named(app, dialog)
+
+
+COMMANDS = tuple(_with_features())

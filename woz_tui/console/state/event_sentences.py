@@ -439,10 +439,6 @@ def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
     missing = shown.study.unticked() if isinstance(message, m.TrialStarted) else []
     if line is not None and missing and shown.session.study.last_ended is None:
         line = line._replace(mark="warning", detail=f"not ticked: {'; '.join(missing)}")
-    if line is not None and isinstance(message, m.CueAnswered):
-        names = shown.study.right_actions(message)
-        right = f"right: {' or '.join(map(shown.label, names))}" if names else ""
-        line = line._replace(detail=", ".join(filter(None, (line.detail, right))))
     if line is not None and message.names_console:
         asker = other_console(getattr(message, "console", ""), shown)
         line = line._replace(detail=", ".join(filter(None, (line.detail, asker))))

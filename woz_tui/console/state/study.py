@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import msgspec
 
-from woz_tui.console.drawing.number_text import seconds
+from woz_tui.console.state.feature_notes import AllNotes, StudyNews
 from woz_tui.console.state.questionnaires import OpenQuestionnaire, items_of
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
@@ -19,26 +18,6 @@ from woz_tui.timeline.session_state import SessionState
 _MOST_NEWS = 8
 #: Sources of actions that a wizard plays by hand.
 _HANDS = HANDS - {"program", "phase"}
-#: What a wizard did with a cue: how it is said, and its look.
-_JUDGED = {
-    "right": ("right", "good"),
-    "wrong": ("wrong", "bad"),
-    "missed": ("missed", "warn"),
-    "uncalled": ("no cue was waiting", "warn"),
-}
-
-
-class StudyNews(NamedTuple):
-    """A sentence for the wizard and its look. `right`: names of the actions that would have
-    answered a cue; `command`: that of the console which helps, and what to do with it.
-    """
-
-    text: str
-    look: str
-    right: tuple[str, ...] = ()
-    command: tuple[str, str] = ("", "")
-
-
 _OUTSIDE = StudyNews("Played outside of a trial", "warn", command=("trial", "begin one"))
 
 
@@ -47,15 +26,16 @@ class StudyView:
     """What holds is in `session`; `apply` adds what only a screen needs."""
 
     session: SessionState = field(default_factory=SessionState)
+    #: What features keep for the screen.
+    notes: AllNotes = field(init=False)
     #: The questionnaire that is put to somebody now.
     open_questionnaire: OpenQuestionnaire | None = None
-    #: The last cue of a training.
-    _cue: m.CueGiven | None = None
-    #: What became of it, or of a press without one.
-    judged: m.CueAnswered | None = None
     #: The run of which it was said that no trial is under way; empty: not yet since the last one.
     _outside_run: str = ""
     _news: deque[StudyNews] = field(default_factory=lambda: deque(maxlen=_MOST_NEWS))
+
+    def __post_init__(self) -> None:
+        self.notes = AllNotes(self.session)
 
     # -- reading ------------------------------------------------------------------------------
 
@@ -108,14 +88,6 @@ class StudyView:
         wanted = (each.questionnaire for each in still)
         return [name for name in dict.fromkeys(wanted) if name != asked]
 
-    def right_actions(self, told: m.CueAnswered) -> tuple[str, ...]:
-        """Names of the actions that would have answered a cue that was missed or answered wrongly;
-        none for others, or if nobody knows.
-        """
-        cue = self._cue
-        wanted = cue is not None and cue.cue == told.cue and told.judged in ("wrong", "missed")
-        return tuple(cue.expects) if wanted and cue is not None else ()
-
     def read_news(self) -> list[StudyNews]:
         """Sentences that nobody has read, oldest first."""
         told = list(self._news)
@@ -126,6 +98,7 @@ class StudyView:
 
     def apply(self, message: m.Message) -> None:
         """Work a message in that `session` has taken."""
+        self._news.extend(self.notes.apply(message))
         match message:
             case m.ActionRequested(run=run, source=source) if source in _HANDS:
                 self._outside(run)
@@ -142,11 +115,6 @@ class StudyView:
                     what = "item is" if len(missing) == 1 else "items are"
                     text = f"{len(missing)} preflight {what} not ticked"
                     self._news.append(StudyNews(text, "warn", command=("preflight", "list them")))
-            case m.CueGiven():
-                self._cue = message
-            case m.CueAnswered():
-                self.judged = message
-                self._news.append(StudyNews(*verdict_text(message), self.right_actions(message)))
             case m.QuestionnaireStarted() | m.QuestionnaireEnded():
                 self.follow()
             case m.QuestionnaireAnswered():
@@ -185,10 +153,3 @@ class StudyView:
             return known
         items = items_of(started.items) or known.items
         return msgspec.structs.replace(known, title=started.title, items=items)
-
-
-def verdict_text(told: m.CueAnswered) -> tuple[str, str]:
-    """`right, 1.24 s`, with its look."""
-    word, look = _JUDGED.get(told.judged, (told.judged, "plain"))
-    took = f", {seconds(told.reaction_us)}" if told.reaction_us >= 0 else ""
-    return f"{word}{took}", look

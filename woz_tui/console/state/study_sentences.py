@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from woz_tui.console.drawing.number_text import millis, seconds
+from woz_tui.console.drawing.number_text import millis
 from woz_tui.protocol import messages as m
 
 
@@ -20,13 +20,6 @@ class EventText(NamedTuple):
 
 
 _OUTCOMES = {"done": "done", "aborted": "stopped", "excluded": "warning"}
-#: What was made of a cue: its mark, and how it is said.
-_JUDGED = {
-    "right": ("done", "Cue answered"),
-    "wrong": ("failed", "Cue answered wrongly"),
-    "missed": ("warning", "Cue missed"),
-    "uncalled": ("warning", "No cue was waiting"),
-}
 
 
 def event_text(message: m.Message) -> EventText | None:
@@ -66,19 +59,6 @@ def event_text(message: m.Message) -> EventText | None:
             if not hidden:
                 return EventText("info", rough)
             return EventText("info", f"Hidden: {', '.join(hidden)}", rough)
-        case m.TrainingChanged(state=state):
-            if state == "over":
-                judged = message.right + message.wrong + message.missed
-                cues = f"{judged} cue{'' if judged == 1 else 's'}"
-                return EventText("done", f"Training over: {message.right} of {cues} right")
-            cues = f"{message.planned} cue{'' if message.planned == 1 else 's'}"
-            begins = "waits for you" if state == "waits" else "begins"
-            return EventText("info", f"Training {begins}: {cues}", "nothing moves")
-        case m.CueGiven():
-            return EventText("heard", f"Cue: {message.sort}", message.text)
-        case m.CueAnswered(judged=judged, reaction_us=reaction):
-            mark, text = _JUDGED.get(judged, ("info", f"Cue {judged}"))
-            return EventText(mark, text, seconds(reaction) if reaction >= 0 else "")
         case m.RerunStarted():
             commands = f"{message.commands} commands"
             return EventText("info", f"Run again: {message.original}", commands)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.drawing.glyphs import PaintFrame
@@ -26,12 +26,38 @@ class FeatureCommand:
 
 
 @dataclass(frozen=True, slots=True)
+class DialogOffer:
+    """The dialog `module:Class` opens by itself, once for each thing that it is `about`; empty: not
+    at this console.
+    """
+
+    about: object
+    opens: str
+
+
+@dataclass(frozen=True, slots=True)
+class Board:
+    """Lines of its own above the panels.
+
+    `lines`: how many, on a screen of so many lines; 0: none. `rows`: what stands there.
+    """
+
+    lines: Callable[[ConsoleState, int], int]
+    rows: Callable[[ConsoleState, PaintFrame], Sequence[Row]]
+
+
+@dataclass(frozen=True, slots=True)
 class FeatureConsole:
     """What a feature has on the screen. Nothing in it may import Textual: dialogs are named.
 
     `commands`: what can be done with it. `status`: what stands at the right of the first status
-    row, and is never left out.
+    row, and is never left out. `board`: lines above the panels. `offers`: the dialog that opens by
+    itself now. `instead`: the dialog `module:Class` that opens now for a command of the console, by
+    the id of its key, instead of what it does otherwise; empty: nothing, None: as otherwise.
     """
 
     commands: tuple[FeatureCommand, ...] = ()
     status: Callable[[ConsoleState, PaintFrame], Row] | None = None
+    board: Board | None = None
+    offers: Callable[[ConsoleState], DialogOffer | None] | None = None
+    instead: Mapping[str, Callable[[ConsoleState], str | None]] = field(default_factory=dict)

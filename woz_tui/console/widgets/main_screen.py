@@ -12,23 +12,23 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
-from rich.cells import cell_len
 from textual.app import ComposeResult
 from textual.containers import Container
 from textual.geometry import Size
 from textual.screen import Screen
 
 from woz_tui.console.bodies.pane import BodyPane
-from woz_tui.console.drawing.cells import Cells, Row, clean, fit, wrap_row
+from woz_tui.console.drawing.cells import Cells, Row, fit
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.driver_outlines import body_outlines
-from woz_tui.console.state.study import verdict_text
 from woz_tui.console.widgets.action_panels import ActionPanels
 from woz_tui.console.widgets.bottom_rows import ActionRow, BarInfo, ScriptPane, StopBar
 from woz_tui.console.widgets.event_list import EventList
+from woz_tui.console.widgets.feature_console import Board, FeatureConsole
 from woz_tui.console.widgets.meters import Meters
 from woz_tui.console.widgets.status_rows import StatusInfo, StatusLines
+from woz_tui.feature import pieces
 
 #: From this width on meters and events stand beside the panels, in cells.
 WIDE = 120
@@ -135,58 +135,25 @@ class MainArea(Container):
         self.query_one(SidePane).lay_out(below, beside)
 
 
-#: Lines on a low screen, and on one of so many lines or more.
-_LOW, _HIGH, _TALL = 3, 5, 32
-_SORTS = {
-    "approach": "A visitor comes.",
-    "silence": "The visitor is silent.",
-    "turn-away": "The visitor turns away.",
-    "leave": "The visitor leaves.",
-}
+class FeatureBoard(Cells):
+    """What a feature shows above the panels, while it shows anything there."""
 
+    def __init__(self, board: Board) -> None:
+        super().__init__()
+        self._board = board
 
-def cue_lines(size: Size, state: ConsoleState) -> int:
-    """Lines of the cue; none outside of a training."""
-    training = state.session.training
-    if training is None or training.state != "runs":
-        return 0
-    return _HIGH if size.height >= _TALL else _LOW
-
-
-class CueBoard(Cells):
-    """The cue that waits; between two of them what became of the last one."""
+    def measure(self, lines: int, state: ConsoleState) -> int:
+        """Take the lines that it needs on a screen of so many; how many these are."""
+        needed = self._board.lines(state, lines)
+        self.display = needed > 0
+        self.styles.height = needed or 1
+        return needed
 
     def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
-        """Show it."""
-        cue, last = state.session.cue, state.study.judged
-        if cue is not None:
-            given = cue.given
-            text = f"\N{LEFT DOUBLE QUOTATION MARK}{given.text}\N{RIGHT DOUBLE QUOTATION MARK}"
-            said = _wrapped(text if given.text else _SORTS.get(given.sort, given.sort), frame)
-            left = max(0, given.t + given.window_us - frame.now)
-            full = round(left / max(1, given.window_us) * (frame.width // 2))
-            rows = [*((line, "strong") for line in said), (frame.glyphs.bar * full, "run")]
-        elif last is not None:
-            rows = [verdict_text(last), ("", "plain")]
-        else:
-            rows = [("The first cue comes soon.", "muted"), ("", "plain")]
+        """Show it, in the middle."""
+        rows = self._board.rows(state, frame)
         above: list[Row] = [()] * max(0, (frame.height - len(rows)) // 2)
-        self.show([*above, *(_centred(text, look, frame) for text, look in rows)])
-
-
-def _wrapped(text: str, frame: PaintFrame) -> list[str]:
-    """The words of a cue, in as many lines as the board has beside the bar."""
-    plain, room = frame.glyphs.plain(clean(text)), max(1, frame.height - 1)
-    rows = wrap_row(((plain, "strong"),), 0, frame.width)
-    lines = ["".join(piece for piece, _ in row).strip() for row in rows]
-    return [*lines[: room - 1], " ".join(lines[room - 1 :])]
-
-
-def _centred(text: str, look: str, frame: PaintFrame) -> Row:
-    shown = frame.glyphs.plain(clean(text))
-    if cell_len(shown) > frame.width:
-        shown = fit(shown, frame.width, frame.glyphs.ellipsis)
-    return ((shown.center(frame.width), look),)
+        self.show([*above, *rows])
 
 
 SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
@@ -197,7 +164,8 @@ class MainScreen:
 
     def __init__(self, bar: StopBar | None = None) -> None:
         self.status = StatusLines()
-        self.cue = CueBoard()
+        consoles = pieces("console", FeatureConsole).values()
+        self.boards = [FeatureBoard(each.board) for each in consoles if each.board is not None]
         self.panels = ActionPanels()
         self.meters = Meters()
         self.bodies = BodyPane()
@@ -211,7 +179,7 @@ class MainScreen:
 
     def compose(self) -> ComposeResult:
         """All widgets in their order."""
-        yield from (self.status, self.cue)
+        yield from (self.status, *self.boards)
         with self.body:
             yield self.panels
             with self.side:
@@ -231,11 +199,9 @@ class MainScreen:
         lines = bar_lines(size, state.has_script)
         if self.bar.styles.height is None or self.bar.styles.height.value != lines:
             self.bar.styles.height = lines
-        cue = cue_lines(size, state)
-        self.cue.display = cue > 0
-        self.cue.styles.height = cue or 1
+        above = sum(board.measure(height, state) for board in self.boards)
         self.body.lay_out(
-            Size(width, height - cue),
+            Size(width, height - above),
             Needs(
                 self.panels.needs(state, glyphs),
                 self.meters.needs,
@@ -254,8 +220,9 @@ class MainScreen:
     ) -> None:
         """Show what has changed; `frame` tells each part's room and the moment."""
         self.status.paint(state, frame(self.status), line)
-        if self.cue.display:
-            self.cue.paint(state, frame(self.cue))
+        for board in self.boards:
+            if board.display:
+                board.paint(state, frame(board))
         parts = (self.panels, self.meters, self.bodies, self.events, self.script, self.actions)
         for part in parts:
             part.paint(state, frame(part))

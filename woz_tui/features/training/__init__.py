@@ -8,6 +8,9 @@ class Training(Feature):
 
     name = "training"
     section = "section:TRAINING"
+    sentences = "console:SENTENCES"
+    notes = "console:TrainingNotes"
+    console = "console:CONSOLE"
     session = "in_session:TrainingSession"
     session_kind = "session_kind:TRAINING"
     command = CommandLine(

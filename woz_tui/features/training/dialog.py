@@ -9,47 +9,19 @@ from textual.content import Content
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.drawing.key_caps import key_name
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
-from woz_tui.console.screens.dialog import ConsoleApp
-from woz_tui.console.screens.trial import TrialDialog
-from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskTraining
 
 
-def open_training(app: ConsoleApp) -> None:
-    """Offer to begin, or show the score, as far as the training is."""
-    training = app.state.session.training
-    if training is not None and app.state.role == "wizard":
-        if training.state == "waits":
-            app.open_dialog(BeginDialog(training))
-        elif training.state == "over":
-            app.open_dialog(ScoreDialog(training))
-
-
-def open_trial(app: ConsoleApp) -> None:
-    """Trials and breaks; before a training its beginning."""
-    training = app.state.session.training
-    if training is not None and training.state == "waits":
-        open_training(app)
-    else:
-        app.open_dialog(TrialDialog())
-
-
-class _Training(ChoiceDialog):
-    hint = "arrows choose · enter"
-
-    def __init__(self, training: m.TrainingChanged) -> None:
-        super().__init__()
-        self._training = training
-
-
-class BeginDialog(_Training):
+class BeginDialog(ChoiceDialog):
     """What will happen; the first choice begins it."""
 
     heading = "Training"
+    hint = "arrows choose · enter"
 
     def lines(self) -> list[Row]:
         """What will happen."""
-        count = self._training.planned
+        training = self.state.session.training
+        count = training.planned if training is not None else 0
         return [
             ((f"A visitor is simulated: {count} cue{'' if count == 1 else 's'}.", "strong"),),
             (("Answer each of them with the right key. Nothing moves.", "plain"),),
@@ -63,14 +35,17 @@ class BeginDialog(_Training):
         return [begin, ListChoice(Content(later))]
 
 
-class ScoreDialog(_Training):
+class ScoreDialog(ChoiceDialog):
     """How it went."""
 
     heading = "Your score"
+    hint = "arrows choose · enter"
 
     def lines(self) -> list[Row]:
         """The score, large enough to be read by whoever stands behind the wizard."""
-        told = self._training
+        told = self.state.session.training
+        if told is None:
+            return []
         counted = told.right + told.wrong + told.missed
         share = f"{told.right / counted:.0%}" if counted else "no cue"
         others = f"wrong {told.wrong}, missed {told.missed}, pressed without a cue {told.uncalled}"

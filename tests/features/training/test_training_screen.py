@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from tests.console import scenes
 from tests.console.piloting import piloted_console
-from woz_tui.console.screens.training import BeginDialog, ScoreDialog
+from woz_tui.features.training.dialog import BeginDialog, ScoreDialog
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 
@@ -47,24 +47,24 @@ async def test_who_looks_at_the_keys_first_begins_it_later() -> None:
 @pytest.mark.parametrize("size", [(80, 24), (160, 50)])
 async def test_the_cue_stands_large_above_the_panels(size: tuple[int, int]) -> None:
     async with piloted_console(size=size) as pilot:
-        assert not pilot.console._main_screen.cue.display
+        assert not pilot.console._main_screen.boards[0].display
         await pilot.tell(RUNS)
-        await pilot.until(lambda: "first cue" in pilot.text("CueBoard"))
+        await pilot.until(lambda: "first cue" in pilot.text("FeatureBoard"))
         await pilot.tell(CUE)
-        board = pilot.text("CueBoard")
+        board = pilot.text("FeatureBoard")
         assert "How old is it?" in board
-        assert pilot.console._main_screen.cue.size.height >= 3
+        assert pilot.console._main_screen.boards[0].size.height >= 3
         assert "Hello" in pilot.text("ActionPanels")
         await pilot.tell(m.CueAnswered(cue="q1", judged="wrong", reaction_us=900_000, t=NOW))
-        assert "How old is it?" not in pilot.text("CueBoard")
-        assert "wrong" in pilot.text("CueBoard")
+        assert "How old is it?" not in pilot.text("FeatureBoard")
+        assert "wrong" in pilot.text("FeatureBoard")
 
 
 async def test_a_long_cue_is_readable_as_a_whole_on_a_small_screen() -> None:
     text = "Could you tell me how old this enormous blue whale was when it was found, please?"
     async with piloted_console(size=(80, 24)) as pilot:
         await pilot.tell(RUNS, replace(CUE, text=text))
-        board = pilot.text("CueBoard")
+        board = pilot.text("FeatureBoard")
         assert all(word in board for word in text.split())
 
 

@@ -1,0 +1,175 @@
+"""A training on the wizard's screen: the cue above the panels, verdicts, dialogs by themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.cells import cell_len
+
+from woz_tui.console.drawing.cells import Row, clean, fit, wrap_row
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.drawing.number_text import seconds
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.event_sentences import EventContext, EventLine
+from woz_tui.console.state.feature_notes import FeatureNotes, StudyNews
+from woz_tui.console.widgets.feature_console import Board, DialogOffer, FeatureConsole
+from woz_tui.protocol import messages as m
+from woz_tui.timeline.session_state import SessionState
+
+#: Lines of the board on a low screen, and on one of so many lines or more.
+_LOW, _HIGH, _TALL = 3, 5, 32
+_SORTS = {
+    "approach": "A visitor comes.",
+    "silence": "The visitor is silent.",
+    "turn-away": "The visitor turns away.",
+    "leave": "The visitor leaves.",
+}
+#: What a wizard did with a cue: how it is said, and its look.
+_VERDICTS = {
+    "right": ("right", "good"),
+    "wrong": ("wrong", "bad"),
+    "missed": ("missed", "warn"),
+    "uncalled": ("no cue was waiting", "warn"),
+}
+#: The same in the list of events: its mark, and how it is said.
+_JUDGED = {
+    "right": ("done", "Cue answered"),
+    "wrong": ("failed", "Cue answered wrongly"),
+    "missed": ("warning", "Cue missed"),
+    "uncalled": ("warning", "No cue was waiting"),
+}
+
+
+# -- what is kept for it -------------------------------------------------------------------------
+
+
+class TrainingNotes(FeatureNotes):
+    """The last cue, and what became of it."""
+
+    hears = (m.CueGiven, m.CueAnswered)
+
+    def __init__(self, session: SessionState) -> None:
+        super().__init__(session)
+        self._cue: m.CueGiven | None = None
+        #: What became of it, or of a press without one.
+        self.judged: m.CueAnswered | None = None
+
+    def apply(self, message: m.CueGiven | m.CueAnswered) -> StudyNews | None:
+        if isinstance(message, m.CueGiven):
+            self._cue = message
+            return None
+        self.judged = message
+        return StudyNews(*verdict_text(message), self.right_actions(message))
+
+    def right_actions(self, told: m.CueAnswered) -> tuple[str, ...]:
+        """Names of the actions that would have answered a cue that was missed or answered wrongly;
+        none for others, or if nobody knows.
+        """
+        cue = self._cue
+        wanted = cue is not None and cue.cue == told.cue and told.judged in ("wrong", "missed")
+        return tuple(cue.expects) if wanted and cue is not None else ()
+
+
+def verdict_text(told: m.CueAnswered) -> tuple[str, str]:
+    """`right, 1.24 s`, with its look."""
+    word, look = _VERDICTS.get(told.judged, (told.judged, "plain"))
+    took = f", {seconds(told.reaction_us)}" if told.reaction_us >= 0 else ""
+    return f"{word}{took}", look
+
+
+# -- the list of events --------------------------------------------------------------------------
+
+
+def _changed(message: m.TrainingChanged, shown: EventContext) -> EventLine:
+    if message.state == "over":
+        judged = message.right + message.wrong + message.missed
+        cues = f"{judged} cue{'' if judged == 1 else 's'}"
+        return EventLine("done", f"Training over: {message.right} of {cues} right")
+    cues = f"{message.planned} cue{'' if message.planned == 1 else 's'}"
+    begins = "waits for you" if message.state == "waits" else "begins"
+    return EventLine("info", f"Training {begins}: {cues}", "nothing moves")
+
+
+def _given(message: m.CueGiven, shown: EventContext) -> EventLine:
+    return EventLine("heard", f"Cue: {message.sort}", message.text)
+
+
+def _answered(message: m.CueAnswered, shown: EventContext) -> EventLine:
+    mark, text = _JUDGED.get(message.judged, ("info", f"Cue {message.judged}"))
+    took = seconds(message.reaction_us) if message.reaction_us >= 0 else ""
+    notes = shown.study.notes.of(TrainingNotes)
+    names = notes.right_actions(message) if notes is not None else ()
+    right = f"right: {' or '.join(map(shown.label, names))}" if names else ""
+    return EventLine(mark, text, ", ".join(filter(None, (took, right))))
+
+
+SENTENCES = {m.TrainingChanged: _changed, m.CueGiven: _given, m.CueAnswered: _answered}
+
+
+# -- the board above the panels ------------------------------------------------------------------
+
+
+def _lines(state: ConsoleState, height: int) -> int:
+    """None outside of a training that runs."""
+    training = state.session.training
+    if training is None or training.state != "runs":
+        return 0
+    return _HIGH if height >= _TALL else _LOW
+
+
+def _rows(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
+    """The cue that waits; between two of them what became of the last one."""
+    cue, notes = state.session.cue, state.study.notes.of(TrainingNotes)
+    if cue is not None:
+        given = cue.given
+        text = f"\N{LEFT DOUBLE QUOTATION MARK}{given.text}\N{RIGHT DOUBLE QUOTATION MARK}"
+        said = _wrapped(text if given.text else _SORTS.get(given.sort, given.sort), frame)
+        left = max(0, given.t + given.window_us - frame.now)
+        full = round(left / max(1, given.window_us) * (frame.width // 2))
+        rows = [*((line, "strong") for line in said), (frame.glyphs.bar * full, "run")]
+    elif notes is not None and notes.judged is not None:
+        rows = [verdict_text(notes.judged), ("", "plain")]
+    else:
+        rows = [("The first cue comes soon.", "muted"), ("", "plain")]
+    return [_centred(text, look, frame) for text, look in rows]
+
+
+def _wrapped(text: str, frame: PaintFrame) -> list[str]:
+    """The words of a cue, in as many lines as the board has beside the bar."""
+    plain, room = frame.glyphs.plain(clean(text)), max(1, frame.height - 1)
+    rows = wrap_row(((plain, "strong"),), 0, frame.width)
+    lines = ["".join(piece for piece, _ in row).strip() for row in rows]
+    return [*lines[: room - 1], " ".join(lines[room - 1 :])]
+
+
+def _centred(text: str, look: str, frame: PaintFrame) -> Row:
+    shown = frame.glyphs.plain(clean(text))
+    if cell_len(shown) > frame.width:
+        shown = fit(shown, frame.width, frame.glyphs.ellipsis)
+    return ((shown.center(frame.width), look),)
+
+
+# -- dialogs -------------------------------------------------------------------------------------
+
+
+def _dialog(state: ConsoleState) -> str:
+    """Which stands for the training as far as it is; a watcher has none."""
+    training = state.session.training
+    name = {"waits": "BeginDialog", "over": "ScoreDialog"}.get(training.state if training else "")
+    return f"{__package__}.dialog:{name}" if name and state.role == "wizard" else ""
+
+
+def _offer(state: ConsoleState) -> DialogOffer | None:
+    training = state.session.training
+    return DialogOffer(training, _dialog(state)) if training is not None else None
+
+
+def _instead_of_trial(state: ConsoleState) -> str | None:
+    """Before a training its beginning."""
+    training = state.session.training
+    return _dialog(state) if training is not None and training.state == "waits" else None
+
+
+CONSOLE = FeatureConsole(
+    board=Board(_lines, _rows), offers=_offer, instead={"trial": _instead_of_trial}
+)

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from tools import replaced
+from woz_tui.analysis.feature_report import figure_tables
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.tables import (
     CONDITIONS,
     EVENTS,
-    FIGURES,
     SAMPLES,
     TableDefinition,
     answers_wide,
@@ -18,7 +18,7 @@ from woz_tui.analysis.tables import (
 
 #: All of them, in the order of the page.
 TABLES: tuple[TableDefinition[Any], ...] = (
-    *FIGURES,
+    *figure_tables(),
     answers_wide(["<questionnaire>.<item>"]),
     EVENTS,
     SAMPLES,

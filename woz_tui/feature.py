@@ -83,6 +83,7 @@ class Feature:
         export: An `export.feature_export.FeatureExport`: what becomes of its lines in exports.
         exporters: Formats of `woz export`, made like `export.export_run.FORMATS`.
         figures: An `analysis.feature_figures.FeatureFigures`: what it counts in sessions.
+        report: An `analysis.feature_report.FeatureReport`: its tables in reports and exports.
         session_kind: A `host.session_kind.SessionKind`: a kind of session without a participant.
         start: An option with which a session can begin.
         command: A command of `woz`.
@@ -103,6 +104,7 @@ class Feature:
     export: ClassVar[str] = ""
     exporters: ClassVar[str] = ""
     figures: ClassVar[str] = ""
+    report: ClassVar[str] = ""
     session_kind: ClassVar[str] = ""
     start: ClassVar[StartOption | None] = None
     command: ClassVar[CommandLine | None] = None

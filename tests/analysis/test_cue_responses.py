@@ -220,37 +220,6 @@ def test_markers_of_humans_are_cues() -> None:
     assert (figures.whole.markers, figures.cues[0].what) == (2, "asks")
 
 
-def test_trained_cues_are_judged_by_the_training() -> None:
-    session = ExampleSession()
-    for number, judged in enumerate(("right", "wrong", "missed", "right")):
-        cue = f"q{number}"
-        session.add(
-            number * 10 + 1,
-            m.CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=4 * SECOND),
-        )
-        reaction = -1 if judged == "missed" else (number + 1) * 100_000
-        session.add(
-            number * 10 + 3,
-            m.CueAnswered(cue=cue, judged=judged, action="Hello", reaction_us=reaction),
-        )
-    session.add(50, m.CueAnswered(cue="", judged="uncalled", action="Nod"))
-    session.add(51, m.CueGiven(cue="q9", sort="leave", expects=["Nod"], window_us=SECOND)).end(60)
-    figures = session_figures(session)
-    training = figures.training
-    assert training is not None
-    assert (training.cues, training.right, training.wrong, training.missed) == (5, 2, 1, 1)
-    assert (training.uncalled, training.score) == (1, 0.4)
-    assert seconds(training.times.values) == [0.1, 0.2, 0.4]
-    assert [cue.result for cue in figures.cues] == [
-        *("answered", "answered", "missed", "answered", "cut")
-    ]
-    assert "all" not in figures.whole.reactions
-
-
-def test_without_training_there_is_none() -> None:
-    assert session_figures(ExampleSession().act(1).end(2)).training is None
-
-
 def test_nobody_reacts_within_150_milliseconds() -> None:
     for moment, expected in ((3.081, ("answered_early", None)), (3.15, ("answered", 0.15))):
         figures = session_figures(ExampleSession().speech(1, 3).act(moment).end(20))

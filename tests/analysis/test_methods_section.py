@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time, study
+from tests.analysis.example_sessions import ExampleSession, figures_of, in_time, study
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.methods_section import paragraphs
 from woz_tui.analysis.session_reading import read_report
@@ -121,27 +121,6 @@ def test_what_the_wizard_had_and_saw() -> None:
         "the wizard did not see the gaze or the identity and saw the transcript of speech" in found
     )
     assert "In all, 2 actions were asked for, 1 by key and 1 by the script." in found
-
-
-def trained(right: int, wall: str) -> SessionFigures:
-    session = ExampleSession(participant="", wizard="W2", wall=wall)
-    for number in range(4):
-        cue, judged = f"q{number}", "right" if number < right else "missed"
-        cue_given = m.CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=SECOND)
-        reaction = 900_000 if number < right else -1
-        session.add(number, cue_given, m.CueAnswered(cue=cue, judged=judged, reaction_us=reaction))
-    return session_figures(session.end(60))
-
-
-def test_training_is_no_session_with_a_participant() -> None:
-    early, late = trained(1, "2026-02-01T10:00:00Z"), trained(3, "2026-02-02T10:00:00Z")
-    study_facts = facts(late, session_figures(ExampleSession().act(1).end(60)), early)
-    assert study_facts.sessions == 1
-    sentences = " ".join(paragraphs(study_facts)[1].sentences)
-    assert sentences.endswith(
-        "W2 practised in 2 training sessions and answered 3 of 4 cues (75.0 %) correctly in the"
-        " last one, with a median reaction time of 0.9 s."
-    )
 
 
 def test_data_that_were_left_out() -> None:

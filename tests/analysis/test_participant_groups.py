@@ -97,53 +97,29 @@ def answered_questionnaire(
     return figures_of(in_time(session.end(60)))
 
 
-def training() -> ExampleSession:
-    """As `woz train` has it: a code and a condition, so that their sentences can be said."""
-    cue_given = m.CueGiven(cue="q", sort="leave", expects=["Nod"], window_us=SECOND)
-    right = m.CueAnswered(cue="q", judged="right", reaction_us=500_000)
-    session = ExampleSession(session="T01", participant="TRAINING", condition="warm")
-    session.add(0.5, m.TrainingChanged(state="runs", planned=1))
-    return session.add(1, cue_given, right).speech(2, 3).act(4).end(9)
-
-
 def rerun_session() -> ExampleSession:
     """A re-run: it has no code."""
     session = ExampleSession(session="S09", participant="")
     return session.add(1, m.RerunStarted(original="x", original_session="S01")).speech(2, 3).end(9)
 
 
-def test_trainings_and_re_runs_are_no_sessions_of_participants(tmp_path: Path) -> None:
+def test_re_runs_are_no_sessions_of_participants(tmp_path: Path) -> None:
     found = GroupedSessions()
     with table_files(tmp_path) as folder:
-        for session in (training(), rerun_session(), ExampleSession().speech(1, 2).act(3).end(9)):
+        for session in (rerun_session(), ExampleSession().speech(1, 2).act(3).end(9)):
             figures = figures_of(in_time(session))
             found.add(figures)
             folder.add(figures)
     assert [row.session for row in found.rows] == ["S01"]
-    assert [(each.session, each.training.score) for each in found.trainings] == [("T01", 1.0)]
-    assert (found.reruns, found.sessions) == (["S09"], 3)
+    assert (found.reruns, found.sessions) == (["S09"], 2)
     rows = tables(tmp_path)
-    assert [(row["training"], row["rerun_of"]) for row in rows["sessions"]] == [
-        *(("true", ""), ("false", "x"), ("false", ""))
-    ]
-    assert [(row["right"], row["reaction_median_s"]) for row in rows["trainings"]] == [("1", "0.5")]
+    assert [row["rerun_of"] for row in rows["sessions"]] == ["x", ""]
     for name in ("conditions", "cues"):
         counted = {(row["session"], row["counted"]) for row in rows[name]}
-        assert counted == {("T01", "false"), ("S09", "false"), ("S01", "true")}
+        assert counted == {("S09", "false"), ("S01", "true")}
     for name in ("actions", "wizards", "latencies"):  # nobody played anything in the re-run
         counted = {(row["session"], row["counted"]) for row in rows[name]}
-        assert counted == {("T01", "false"), ("S01", "true")}
-
-
-def test_a_training_that_ended_before_its_first_cue_is_no_session_of_a_participant() -> None:
-    session = ExampleSession(session="T02", participant="TRAINING")
-    session.add(1, m.TrainingChanged(state="waits", planned=20)).act(2).end(60)
-    figures = figures_of(in_time(session))
-    found = GroupedSessions()
-    found.add(figures)
-    assert [(each.session, each.training.cues) for each in found.trainings] == [("T02", 0)]
-    assert not found.rows
-    assert not any(part.counted for part in figures.parts)
+        assert counted == {("S01", "true")}
 
 
 def test_scales_have_means_over_participants() -> None:

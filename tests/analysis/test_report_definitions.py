@@ -197,17 +197,6 @@ def test_cues_of_trials_that_do_not_count_stay_marked() -> None:
         assert figures.whole.reactions.keys() == ({"marker", "all"} if all_trials else set())
 
 
-def test_a_training_whose_cues_became_void_is_one() -> None:
-    session = ExampleSession().add(
-        1, m.CueGiven(cue="q1", sort="question", expects=[], window_us=4_000_000)
-    )
-    training = session_figures(
-        session.add(2, m.CueAnswered(cue="q1", judged="void")).end(9)
-    ).training
-    assert training is not None
-    assert (training.cues, training.score) == (0, None)
-
-
 def test_time_that_the_log_has_lost_is_no_time_of_the_session() -> None:
     session = ExampleSession().add(0, SETTINGS).state(40, "Wait", "PersonDetected").act(60).end(70)
     rest = figures_of(in_time(session)[2:])

@@ -15,6 +15,7 @@ from hypothesis import given
 from tests.analysis.example_sessions import figures_of
 from tests.timeline.random_sessions import SECOND, damaged, recordings, start, timed
 from woz_tui.analysis import tables
+from woz_tui.analysis.feature_report import figure_tables
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import ENDS, PartFigures, SessionFigures
 from woz_tui.analysis.html import timeline_items
@@ -82,7 +83,7 @@ def tables_of(lines: Sequence[m.Message]) -> Tables:
             ]
             for table, rows in (
                 (tables.EVENTS, session.events),
-                *((table, table.rows(figures)) for table in tables.FIGURES),
+                *((table, table.rows(figures)) for table in figure_tables()),
             )
         },
         tiers={tier.name: tier.spans for tier in tiers_of(session)},

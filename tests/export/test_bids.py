@@ -209,19 +209,14 @@ def test_a_code_that_was_corrected_at_once_took_no_part(tmp_path: Path) -> None:
     assert (tmp_path / "eaf" / "P01_S01.eaf").exists()
 
 
-def test_trainings_and_re_runs_are_no_subjects(tmp_path: Path) -> None:
+def test_re_runs_are_no_subjects(tmp_path: Path) -> None:
     again = m.RerunStarted(original="x", original_session="S01")
     logs = [
         write(tmp_path / "r", [(0, start()), (20, m.Note(text="a"))]),
         write(tmp_path / "r", [(0, start("", "S09")), (20, again)], "2026-03-02T10-00-00_S09"),
-        write(
-            tmp_path / "r",
-            [(0, start("TRAINING", "T01")), (20, m.TrainingChanged(state="over", planned=9))],
-            "2026-03-03T10-00-00_TRAINING_T01",
-        ),
     ]
-    _, rerun, training = export_logs(logs, "bids", tmp_path / "out")
-    assert ("re-run" in str(rerun.notes), "training" in str(training.notes)) == (True, True)
+    _, rerun = export_logs(logs, "bids", tmp_path / "out")
+    assert "re-run" in str(rerun.notes)
     subjects = [row["participant_id"] for row in table(tmp_path / "out" / "participants.tsv")]
     assert subjects == ["sub-P07"]
     assert [path.name for path in (tmp_path / "out").glob("sub-*")] == ["sub-P07"]

@@ -19,9 +19,10 @@ from typing import TYPE_CHECKING, Any, TextIO
 import msgspec
 
 from woz_tui import __version__
+from woz_tui.analysis.feature_report import figure_tables
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.spreadsheets import PLAIN, CsvFormat
-from woz_tui.analysis.tables import FIGURES, Cell, TableDefinition, answers_wide, rounds_wide
+from woz_tui.analysis.tables import Cell, TableDefinition, answers_wide, rounds_wide
 from woz_tui.system.text_cleaning import cell
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ class TableFiles:
 
     Args:
         opened: Opens a new text file by its name, line ends as they are given.
-        more: Tables besides `FIGURES`, whose rows are written with `write`.
+        more: Tables besides `figure_tables`, whose rows are written with `write`.
         csv_format: How cells and numbers are written.
     """
 
@@ -66,7 +67,7 @@ class TableFiles:
         self._format = csv_format
         #: Codes that a spreadsheet changes, as far as they were told.
         self._changed: set[str] = set()
-        self._tables = (*more, *FIGURES)
+        self._tables = (*more, *figure_tables())
         self._files = ExitStack()
         self._wide: list[dict[str, Cell]] = []
         #: What is wrong with logs, by name.
@@ -84,7 +85,7 @@ class TableFiles:
         """Write all figures of one session; returns, in sentences, what a spreadsheet would change
         in them.
         """
-        for table in FIGURES:
+        for table in figure_tables():
             self.write(table, figures, table.rows(figures))
         self._wide += rounds_wide(figures)
         if figures.wholeness.sentences:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections import Counter, deque
-from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections import deque
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any
 
-from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import CueRow, WizardAct, context_fields, id_of, moments
-from woz_tui.analysis.figures import TrainingFigures
 from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
@@ -33,8 +31,6 @@ SOONEST_US = 150_000
 WAITING = ("RobotThinks",)
 #: Acts that may come before the line of the cue they answer.
 _KEPT = 16
-#: How the cues of a training are judged that were answered.
-_REACTED = (e.EpisodeOutcome.RIGHT, e.EpisodeOutcome.WRONG)
 #: A cue, and the context of its line.
 Placed = tuple[Context, CueRow]
 
@@ -195,7 +191,7 @@ class _Cues:
 def cues_of(
     timeline: Timeline, acts: Sequence[WizardAct], window_us: int, waiting: Collection[str]
 ) -> list[Placed]:
-    """Finds all cues but those of a training, in the order in which they were over."""
+    """Finds all cues but those that features give, in the order in which they were over."""
     cues = _Cues(timeline, window_us)
     lines: list[tuple[int, int, Callable[[Any], None], Any]] = [
         (act.begin, act.seq, cues.act, act) for act in acts
@@ -221,56 +217,3 @@ def cues_of(
     cues.t = timeline.end
     cues.finish()
     return cues.placed
-
-
-# -- training -------------------------------------------------------------------------------------
-
-
-def trained_cues(timeline: Timeline) -> Iterator[Placed]:
-    """The cues of a training, as the training judged them."""
-    for cue in timeline.of(e.CueEpisode):
-        given = CueRow(
-            **context_fields(cue.context),
-            cue_type="training",
-            t=cue.begin,
-            what=cue.label,
-            result="cut",
-        )
-        answer = cue.answered
-        if (
-            answer is None or cue.outcome == e.EpisodeOutcome.VOID
-        ):  # a stop or the end: nobody's failure
-            yield cue.context, given
-            continue
-        yield (
-            cue.context,
-            replace(
-                given,
-                result="answered" if cue.outcome in _REACTED else "missed",
-                reaction_us=answer.reaction_us if answer.reaction_us >= 0 else None,
-                action=answer.action,
-                run=answer.run,
-                judged=answer.judged,
-            ),
-        )
-
-
-def training_of(timeline: Timeline, cues: Sequence[Placed]) -> TrainingFigures | None:
-    """Counts how the `trained_cues` were judged; None if this was no training. One that ended
-    before its first cue has none of them.
-    """
-    given = timeline.of(e.CueEpisode)
-    answers = [cue.answered for cue in given if cue.answered is not None]
-    answers += [answer for _, answer in moments(timeline, m.CueAnswered)]
-    if timeline.state.training is None and not given and not answers:
-        return None
-    judged = Counter(answer.judged for answer in answers)
-    times = (cue.reaction_us for _, cue in cues if cue.result == "answered")
-    return TrainingFigures(
-        cues=sum(cue.outcome != e.EpisodeOutcome.VOID for cue in given),
-        right=judged["right"],
-        wrong=judged["wrong"],
-        missed=judged["missed"],
-        uncalled=judged["uncalled"],
-        times=Durations(us for us in times if us is not None),
-    )

@@ -24,8 +24,8 @@ L = TypeVar("L", bound="LastingRow")
 #: Whether what happened in a context counts.
 Counted = Callable[[Context], bool]
 
-#: What can be a cue. `training` are those of `woz train`.
-CUE_TYPES = ("speech", "engagement", "marker", "training")
+#: What can be a cue, beside those that features give.
+CUE_TYPES = ("speech", "engagement", "marker")
 #: What can become of a cue.
 CUE_RESULTS = ("answered", "answered_early", "missed", "superseded", "cut")
 #: The name under which an unbroken engagement stands among the visits.
@@ -72,7 +72,7 @@ class CueRow(ContextRow):
     """An event that needs an answer, and how the wizard answered it.
 
     Attributes:
-        cue_type: One of `CUE_TYPES`.
+        cue_type: One of `CUE_TYPES`, or of a feature.
         t: Its moment.
         what: The state, the number of the utterance, the marker's text, the trained cue's type.
         result: One of `CUE_RESULTS`.

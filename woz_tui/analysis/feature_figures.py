@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from woz_tui.analysis.durations import Durations
+from woz_tui.analysis.event_rows import CueRow
 from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context
 
@@ -26,16 +27,45 @@ class TimesMeasure:
     title: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class ApartKind:
+    """A kind of session in which nobody takes part.
+
+    `what`: such a session, in a sentence. `key`: what `woz report --json` calls all of them.
+    `meaning`: of the column that says of a session that it is one.
+    """
+
+    what: str
+    key: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
+class ApartSession:
+    """A session in which nobody took part; `figures`: what the feature counted in it."""
+
+    wizard: str
+    session: str
+    started: str
+    figures: Any
+
+
 class FeatureFigures:
     """A feature's figures of a session. What `count` returns is given to the others.
 
     Attributes:
         key: What JSON calls them; empty: by the feature's name.
+        nothing: What JSON says of a session of which there is nothing to say.
         measures: Main figures, which stand behind all others.
+        apart: Given: a session with such figures is one in which nobody takes part.
+        cue_types: Types of cues that `cues` finds, and what each is.
     """
 
     key: ClassVar[str] = ""
+    nothing: ClassVar[Any] = ()
     measures: ClassVar[tuple[TimesMeasure, ...]] = ()
+    apart: ClassVar[ApartKind | None] = None
+    cue_types: ClassVar[Mapping[str, str]] = {}
 
     def count(self, timeline: Timeline) -> Any:
         """The figures of one session; None: there is nothing to say."""
@@ -44,6 +74,10 @@ class FeatureFigures:
     def times(self, timeline: Timeline) -> Iterator[tuple[Context, str, int]]:
         """Durations in microseconds: the context in which each counts, and what it is one of."""
         yield from ()
+
+    def cues(self, timeline: Timeline) -> Iterable[tuple[Context, CueRow]]:
+        """Cues that the feature gave, and what became of them, each with its line's context."""
+        return ()
 
     def circumstances(self, figures: Any) -> Iterator[str]:
         """Sentences on the circumstances of a session, for its report."""
@@ -55,4 +89,10 @@ class FeatureFigures:
 
     def methods_of_times(self, times: Mapping[str, Durations]) -> Iterator[str]:
         """Sentences for the same on `times`, added up over all that means include."""
+        yield from ()
+
+    def wizards(self, sessions: Sequence[ApartSession], wizards: Sequence[str]) -> Iterator[str]:
+        """Sentences for the methods section on the wizards of the sessions with participants, from
+        those in which nobody took part.
+        """
         yield from ()

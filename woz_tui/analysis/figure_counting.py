@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from woz_tui.analysis import event_rows
-from woz_tui.analysis.cue_responses import WAITING, WINDOW_US, cues_of, trained_cues, training_of
+from woz_tui.analysis.cue_responses import WAITING, WINDOW_US, cues_of
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import CueRow, PanelRow, TrialRow, WizardAct, acts_of, of_robot
 from woz_tui.analysis.feature_figures import FeatureFigures
@@ -69,16 +69,21 @@ def figures_of(
     trials = tuple(event_rows.trials(timeline))
     answers = [*event_rows.answers(timeline)]
     acts = acts_of(timeline)
-    trained = [*trained_cues(timeline)]
-    cues = [*cues_of(timeline, acts, options.window_us, options.waiting), *trained]
+    kinds = pieces("figures", FeatureFigures)
+    cues = cues_of(timeline, acts, options.window_us, options.waiting)
+    cues += [placed for each in kinds.values() for placed in each.cues(timeline)]
     counting = _Counting(timeline)
     counting.count(acts)
     for context, cue in cues:
         counting.at(context).cues.append(cue)
     tallies = counting.tallies
-    training = training_of(timeline, trained)
+    features = {
+        name: counted_by
+        for name, each in kinds.items()
+        if (counted_by := each.count(timeline)) is not None
+    }
     rerun_of = next((each.label for each in reversed(timeline.of(e.RerunEpisode))), "")
-    nobody = training is not None or rerun_of
+    nobody = rerun_of or any(each.apart and name in features for name, each in kinds.items())
     people = set() if nobody else taking_part(tallies, trials, answers)
 
     def counted(context: Context) -> bool:
@@ -125,13 +130,8 @@ def figures_of(
         ),
         rounds=tuple(event_rows.rounds(timeline)),
         unanswered=tuple(event_rows.unanswered(timeline)),
-        training=training,
         panels=tuple(_panels(plan)),
-        features={
-            name: counted_by
-            for name, each in pieces("figures", FeatureFigures).items()
-            if (counted_by := each.count(timeline)) is not None
-        },
+        features=features,
         consoles=tuple(event_rows.consoles(timeline)),
         lost_drivers=tuple(event_rows.lost_drivers(timeline)),
         settings=tuple(event_rows.settings(timeline, counted)),

@@ -33,7 +33,7 @@ def _by_name() -> defaultdict[str, Durations]:
 CountKey = tuple[str, str, str, str]
 #: Part, console, and an end of an action, `direct`, `mistakes` or `edited`.
 WizardKey = tuple[str, str, str]
-#: Cues of all types but the trained ones, each event once.
+#: Cues of all types but those that features give, each event once.
 ALL_CUES = "all"
 
 
@@ -185,8 +185,9 @@ def _wizards(counts: Counter[WizardKey]) -> list[WizardCount]:
 
 
 def _reactions(cues: Sequence[CueRow]) -> dict[str, Reactions]:
-    types = {each: [cue for cue in cues if cue.cue_type == each] for each in CUE_TYPES}
-    types[ALL_CUES] = [cue for cue in cues if cue.cue_type != "training" and not cue.echo]
+    known = dict.fromkeys((*CUE_TYPES, *(cue.cue_type for cue in cues)))
+    types = {each: [cue for cue in cues if cue.cue_type == each] for each in known}
+    types[ALL_CUES] = [cue for cue in cues if cue.cue_type in CUE_TYPES and not cue.echo]
     return {each: _reaction(found) for each, found in types.items() if found}
 
 

@@ -28,6 +28,8 @@ from woz_tui.analysis.event_rows import (
     TrialRow,
     VisitRow,
 )
+from woz_tui.analysis.feature_figures import ApartSession, FeatureFigures
+from woz_tui.feature import pieces
 
 #: How a requested action can end; `open`: its end is not in the log.
 ENDS = ("done", "failed", "stopped", "superseded", "refused", "left_out", "open")
@@ -265,23 +267,6 @@ def sum_outcomes(counts: Sequence[ActionCount]) -> ActionOutcomes:
 
 
 @dataclass(frozen=True, slots=True)
-class TrainingFigures:
-    """A wizard's training: how the cues were judged; `score` is the share answered rightly."""
-
-    cues: int
-    right: int
-    wrong: int
-    missed: int
-    uncalled: int
-    times: Durations
-
-    @property
-    def score(self) -> float | None:
-        """Right answers by cues; None without cues."""
-        return self.right / self.cues if self.cues else None
-
-
-@dataclass(frozen=True, slots=True)
 class LogIntegrity:
     """Whether the log is complete. `sentences` name everything that is wrong; empty: nothing is.
 
@@ -333,9 +318,9 @@ class SessionFigures:
     `parts` are by participant and condition, in the order in which they came; `whole` has all of
     them together. Both leave out what happened in trials that do not count, unless `all_trials`.
     Everything else is of the session as it was. `robot`: the one that played instead of the file's
-    own. `participants` are those who took part, nobody in a training or a re-run; `participant`
-    names them, or all codes if nobody did. `unanswered` are titles of questionnaires that were due
-    and neither answered nor declined, and after which trial.
+    own. `participants` are those who took part, nobody in a re-run or a session `apart`;
+    `participant` names them, or all codes if nobody did. `unanswered` are titles of questionnaires
+    that were due and neither answered nor declined, and after which trial.
     `people` and `addressed` are empty unless samples were read.
     """
 
@@ -372,7 +357,6 @@ class SessionFigures:
     marks: tuple[MarkRow, ...]
     answers: tuple[AnswerRow, ...]
     rounds: tuple[RoundRow, ...]
-    training: TrainingFigures | None
     panels: tuple[PanelRow, ...]
     #: What features count, by name.
     features: Mapping[str, Any]
@@ -396,9 +380,21 @@ class SessionFigures:
     addressed: tuple[AddressedRow, ...] = ()
 
     @property
+    def apart(self) -> str:
+        """The feature in whose kind of session nobody takes part; empty: it is none of these."""
+        kinds = pieces("figures", FeatureFigures).items()
+        return next((name for name, each in kinds if each.apart and name in self.features), "")
+
+    @property
+    def as_apart(self) -> ApartSession:
+        """What is kept of it where nobody takes part."""
+        found = self.features[self.apart]
+        return ApartSession(self.wizard, self.session, self.started, found)
+
+    @property
     def of_study(self) -> bool:
-        """Whether it is a session with participants: no training of a wizard, and no re-run."""
-        return self.training is None and not self.rerun_of
+        """Whether it is a session with participants, and no re-run."""
+        return not self.apart and not self.rerun_of
 
     @property
     def differences(self) -> list[SettingRow]:

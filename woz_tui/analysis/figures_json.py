@@ -35,7 +35,7 @@ def plain(value: Any) -> Any:
             del found["times"]
         elif isinstance(value, SessionFigures):
             for name, each in pieces("figures", FeatureFigures).items():
-                found[each.key or name] = plain(value.features.get(name, ()))
+                found[each.key or name] = plain(value.features.get(name, each.nothing))
             del found["features"]
         return found
     return value
@@ -52,3 +52,20 @@ def grouped(found: GroupedSessions) -> list[dict[str, Any]]:
         }
         for experiment in found.experiments
     ]
+
+
+def apart(found: GroupedSessions) -> dict[str, list[dict[str, Any]]]:
+    """The sessions in which nobody took part, by kind."""
+    return {
+        each.apart.key: [
+            {
+                "wizard": session.wizard,
+                "session": session.session,
+                "started": session.started,
+                name: plain(session.figures),
+            }
+            for session in found.apart.get(name, ())
+        ]
+        for name, each in pieces("figures", FeatureFigures).items()
+        if each.apart is not None
+    }

@@ -177,7 +177,12 @@ _OF_CORE: tuple[Measure, ...] = (
     *_cues_of("speech", "the visitor's speech has ended (`ended` of `speech.ended`)"),
     *_cues_of("engagement", "the engagement model has entered a state in which the visitor waits"),
     *_cues_of("marker", "somebody has set a marker"),
-    *_cues_of("training", "`cue.given` of a training; judged and timed as in `cue.answered`"),
+    *(
+        measure
+        for each in pieces("figures", FeatureFigures).values()
+        for sort, words in each.cue_types.items()
+        for measure in _cues_of(sort, words)
+    ),
     Measure(
         "engagement_on_s", "s", "time in which the engagement model was present and not `off`",
         "model on", lambda part: part.engagement.on_us / 1e6,

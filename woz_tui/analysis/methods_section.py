@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.report_tables import FEWEST
-from woz_tui.analysis.study_figures import StudyFacts, WizardTraining
+from woz_tui.analysis.study_figures import StudyFacts
 from woz_tui.analysis.text_format import (
     Some,
     capital,
@@ -174,34 +174,8 @@ def _wizards(facts: StudyFacts) -> Iterator[str]:
         yield f"The robot was controlled by {len(recorded)} wizards: {led}."
     if recorded and facts.wizards[""]:
         yield f"No wizard was recorded in {counted(facts.wizards[''], 'session')}."
-    yield from _training(facts, [*recorded])
-
-
-def _training(facts: StudyFacts, wizards: Sequence[str]) -> Iterator[str]:
-    for name in wizards:
-        practice = facts.practice.get(name)
-        if practice is not None:
-            yield _practised(name, practice)
-    untrained = [name for name in wizards if name not in facts.practice]
-    if untrained and facts.practice:
-        yield f"Training of {listed(untrained)} was not recorded."
-    elif untrained:
-        yield f"Training of the {'wizard' if len(wizards) == 1 else 'wizards'} was not recorded."
-
-
-def _practised(name: str, practice: WizardTraining) -> str:
-    sentence = f"{name} practised in {counted(practice.sessions, 'training session')}"
-    last = practice.last
-    if last is None:
-        return f"{sentence}."
-    when = "" if practice.sessions == 1 else " in the last one"
-    reaction = ""
-    if last.times.median is not None:
-        reaction = f", with a median reaction time of {in_seconds(last.times.median)} s"
-    return (
-        f"{sentence} and answered {last.right} of {counted(last.cues, 'cue')}"
-        f" ({_per_cent(last.right, last.cues)}) correctly{when}{reaction}."
-    )
+    for name, each in pieces("figures", FeatureFigures).items():
+        yield from each.wizards(facts.apart.get(name, ()), [*recorded])
 
 
 def _production(facts: StudyFacts) -> Iterator[str]:

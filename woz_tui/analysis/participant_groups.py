@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 
 from woz_tui.analysis.durations import mean_and_sd
 from woz_tui.analysis.experiment_names import ExperimentNames
-from woz_tui.analysis.figures import OUTSIDE, SESSION, SessionFigures, TrainingFigures
+from woz_tui.analysis.feature_figures import ApartSession
+from woz_tui.analysis.figures import OUTSIDE, SESSION, SessionFigures
 from woz_tui.analysis.measures import MEASURES, measured
 from woz_tui.analysis.participants import participants_of
 
@@ -62,23 +63,13 @@ class ItemTotal:
     wordings: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class TrainingRow:
-    """A session in which a wizard was trained."""
-
-    wizard: str
-    session: str
-    started: str
-    training: TrainingFigures
-
-
 @dataclass(slots=True)
 class GroupedSessions:
     """Collects the main figures of sessions, one after the other."""
 
     rows: list[ConditionRow] = field(default_factory=list)
-    #: Trainings of wizards, and re-runs: no sessions of participants.
-    trainings: list[TrainingRow] = field(default_factory=list)
+    #: Sessions in which nobody took part, by the feature whose kind they are, and re-runs.
+    apart: dict[str, list[ApartSession]] = field(default_factory=dict)
     reruns: list[str] = field(default_factory=list)
     #: Sessions whose log is not whole: who and which, and what is wrong.
     damaged: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
@@ -97,10 +88,8 @@ class GroupedSessions:
         if figures.wholeness.sentences:
             who = " ".join(filter(None, (figures.session, figures.participant))) or figures.stem
             self.damaged.append((who, figures.wholeness.sentences))
-        if figures.training is not None:
-            self.trainings.append(
-                TrainingRow(figures.wizard, figures.session, figures.started, figures.training)
-            )
+        if figures.apart:
+            self.apart.setdefault(figures.apart, []).append(figures.as_apart)
             return
         if figures.rerun_of:
             self.reruns.append(figures.session or figures.stem)
@@ -138,10 +127,10 @@ class GroupedSessions:
     @property
     def sessions(self) -> int:
         """The number of sessions of any kind."""
-        return self._sessions.total() + len(self.trainings) + len(self.reruns)
+        return self._sessions.total() + sum(map(len, self.apart.values())) + len(self.reruns)
 
     def sessions_of(self, experiment: str) -> int:
-        """The number of an experiment's sessions, without trainings and re-runs."""
+        """The number of an experiment's sessions with participants."""
         return self._sessions[experiment]
 
     @property

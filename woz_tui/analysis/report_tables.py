@@ -13,7 +13,6 @@ from woz_tui.analysis.measures import BY_NAME, OF_FEATURES, Measure, reactions, 
 from woz_tui.analysis.participant_groups import (
     ConditionRow,
     ConditionTotal,
-    GroupedSessions,
     ItemTotal,
     Total,
 )
@@ -478,14 +477,6 @@ def circumstances(figures: SessionFigures) -> Iterator[str]:
     if figures.breaks:
         lengths = sum(each.end - each.begin for each in figures.breaks if each.end is not None)
         yield f"{counted(len(figures.breaks), 'break')}, {clock(lengths)} together"
-    if figures.training is not None:
-        training = figures.training
-        yield (
-            f"training: {training.right} of {counted(training.cues, 'cue')} answered correctly"
-            f" ({percent(training.score)}), {training.wrong} wrongly, {training.missed} missed,"
-            f" {counted(training.uncalled, 'action')} without a cue;"
-            f" reaction {duration(training.times.median)} (median)"
-        )
     for title in figures.unanswered:
         yield f"{title}: due and not answered"
     for each in figures.rounds:
@@ -584,18 +575,3 @@ def item_totals(items: Sequence[ItemTotal]) -> ReportTable:
     ]
     title = "Questionnaires: mean and standard deviation over participants"
     return ReportTable(title, [*heads, "Question"], cells, words=3, on_terminal=len(heads))
-
-
-def trainings(grouped: GroupedSessions) -> ReportTable:
-    """Trainings of wizards, by wizard and time."""
-    rows = [
-        (
-            *(LogText(each.wizard or NONE), LogText(each.session)),
-            *map(str, (it.cues, it.right, it.wrong, it.missed, it.uncalled)),
-            *(percent(it.score), duration(it.times.median)),
-        )
-        for each in sorted(grouped.trainings, key=lambda each: (each.wizard, each.started))
-        for it in (each.training,)
-    ]
-    heads = ("Wizard", "Session", "Cues", "Right", "Wrong", "Missed", "No cue", "Score")
-    return ReportTable("Wizard training", [*heads, "Reaction"], rows, words=2)

@@ -9,24 +9,15 @@ from typing import Any
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import RestrictionRow
 from woz_tui.analysis.experiment_names import ExperimentNames, file_of
+from woz_tui.analysis.feature_figures import ApartSession
 from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import (
     OUTSIDE,
     ActionOutcomes,
     PartFigures,
     SessionFigures,
-    TrainingFigures,
 )
 from woz_tui.analysis.participants import counted_parts
-
-
-@dataclass(slots=True)
-class WizardTraining:
-    """A wizard's training: how many sessions, and the last one of those."""
-
-    sessions: int = 0
-    started: str = ""
-    last: TrainingFigures | None = None
 
 
 @dataclass(slots=True)
@@ -35,7 +26,7 @@ class StudyFacts:
 
     Attributes:
         files: Names of the experiment's files.
-        sessions: Sessions with participants; trainings and re-runs are not among them.
+        sessions: Sessions with participants; others, such as re-runs, are not among them.
         deserted: Sessions in which nobody took part, although a code was given; in nothing else.
         lengths: Their lengths, without the time in which there was no participant.
         participants: Who took part, by code.
@@ -43,6 +34,7 @@ class StudyFacts:
         unnamed: Sessions without a participant's code.
         outside: Sessions with time outside of trials, which is in no figure of the wizard's work.
         wizards: Wizard -> sessions led.
+        apart: Sessions in which nobody took part, by the feature whose kind they are.
         unreached: Driver -> how many stops did not reach it, as it was not connected.
         views: What the wizard could not see -> in how many sessions.
         times: Durations that features tell, by name, of all that means include.
@@ -63,7 +55,7 @@ class StudyFacts:
     unnamed: int = 0
     outside: int = 0
     wizards: Counter[str] = field(default_factory=Counter)
-    practice: dict[str, WizardTraining] = field(default_factory=dict)
+    apart: dict[str, list[ApartSession]] = field(default_factory=dict)
     software: Counter[str] = field(default_factory=Counter)
     robots: Counter[str] = field(default_factory=Counter)
     orders: Counter[str] = field(default_factory=Counter)
@@ -94,22 +86,14 @@ class StudyFacts:
 
     def add(self, figures: SessionFigures) -> None:
         """Add a session, in any order."""
-        if figures.training is not None:
-            self._practised(figures, figures.training)
+        if figures.apart:
+            self.apart.setdefault(figures.apart, []).append(figures.as_apart)
         elif figures.rerun_of:
             self.reruns += 1
         elif figures.participant and not figures.participants:
             self.deserted += 1
         else:
             self._session(figures)
-
-    def _practised(self, figures: SessionFigures, training: TrainingFigures) -> None:
-        if not training.cues:
-            return  # it ended before it had begun
-        practice = self.practice.setdefault(figures.wizard, WizardTraining())
-        practice.sessions += 1
-        if figures.started >= practice.started:
-            practice.started, practice.last = figures.started, training
 
     def _session(self, figures: SessionFigures) -> None:
         self.sessions += 1

@@ -17,6 +17,7 @@ from typing import Any, Generic, TypeVar
 import msgspec
 
 from woz_tui.analysis.event_rows import (
+    CUE_TYPES,
     AnswerRow,
     CueRow,
     PhaseRow,
@@ -25,17 +26,19 @@ from woz_tui.analysis.event_rows import (
     VisitRow,
     value_text,
 )
+from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.figures import (
     COMMAND_ENDS,
     ENDS,
     ActionCount,
     PartFigures,
     SessionFigures,
-    TrainingFigures,
     VerbTimes,
     WizardCount,
 )
 from woz_tui.analysis.measures import MEASURES, Measure, milliseconds, seconds
+from woz_tui.analysis.text_format import listed
+from woz_tui.feature import pieces
 from woz_tui.protocol.action_messages import EVIDENCE
 from woz_tui.protocol.messages import Json, Reading
 from woz_tui.system.text_cleaning import seconds as exact
@@ -205,6 +208,16 @@ def _named(name: str, meaning: str, of: Callable[[SessionFigures], Cell]) -> Col
     return Column(name, "string", meaning, lambda figures, _: of(figures) or None)
 
 
+def _is_apart(name: str, meaning: str) -> Column[SessionFigures]:
+    return Column(name, "boolean", meaning, lambda figures, _: name in figures.features)
+
+
+#: What can be a cue, those that features give included.
+_ALL_CUE_TYPES = (
+    *CUE_TYPES,
+    *(sort for each in pieces("figures", FeatureFigures).values() for sort in each.cue_types),
+)
+
 SESSIONS: TableDefinition[SessionFigures] = TableDefinition(
     "sessions",
     "One row for each session.",
@@ -236,9 +249,10 @@ SESSIONS: TableDefinition[SessionFigures] = TableDefinition(
         ),
         _time("duration", "from its first to its last line of actions", "duration_us"),
         _session("string", "end", "why it ended; empty: the log has no end", "ended"),
-        Column(
-            *("training", "boolean", "a wizard was trained in it"),
-            lambda it, _: it.training is not None,
+        *(
+            _is_apart(name, each.apart.meaning)
+            for name, each in pieces("figures", FeatureFigures).items()
+            if each.apart is not None
         ),
         _session("string", "rerun_of", "the log whose commands were run again"),
         _plain("integer", "lines", "lines in the log, samples not counted"),
@@ -531,7 +545,7 @@ CUES: TableDefinition[CueRow] = TableDefinition(
     (
         *_WHERE,
         _MOMENT,
-        _text("cue_type", "speech, engagement, marker or training"),
+        _text("cue_type", listed(_ALL_CUE_TYPES, "or")),
         _text("label", "the utterance, the state, the marker's text, the trained cue", "what"),
         _text("result", "answered, answered_early, missed, superseded or cut"),
         _time("response_time", "from the cue to the act that answered it", "reaction_us"),
@@ -691,27 +705,6 @@ def rounds_wide(figures: SessionFigures) -> list[dict[str, Cell]]:
     return list(rounds.values())
 
 
-TRAININGS: TableDefinition[TrainingFigures] = TableDefinition(
-    "trainings",
-    "One row for each session in which a wizard was trained.",
-    (
-        *(_LOG, _CODE),
-        _session("string", "wizard", "the wizard's code"),
-        _STARTED,
-        _plain("integer", "cues", "lines `cue.given`, without those that became void"),
-        _plain("integer", "right", "cues that were answered correctly"),
-        _plain("integer", "wrong", "cues that were answered by another action"),
-        _plain("integer", "missed", "cues that were not answered in time"),
-        _plain("integer", "uncalled", "actions without a cue"),
-        _figure("score", "number", "`right` / `cues`", lambda it: it.score, "share"),
-        _figure(
-            *("reaction_median_s", "number", "median time to right and wrong answers"),
-            *(lambda it: seconds(it.times.median), "s"),
-        ),
-    ),
-    lambda figures: (figures.training,) if figures.training is not None else (),
-)
-
 SAMPLES: TableDefinition[Reading] = TableDefinition(
     "samples",
     "Every value of every sensor, by time.",
@@ -744,5 +737,5 @@ FIGURES: tuple[TableDefinition[Any], ...] = (
         EPISODES,
         SETTINGS,
     ),
-    *(ANSWERS, TRAININGS),
+    ANSWERS,
 )

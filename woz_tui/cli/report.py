@@ -196,7 +196,7 @@ def _print_json(sessions: list[object], grouped: GroupedSessions, problems: list
     found = {
         "sessions": sessions,
         "experiments": figures_json.grouped(grouped),
-        "trainings": figures_json.plain(grouped.trainings),
+        **figures_json.apart(grouped),
         "problems": problems,
     }
     print(json_text(found, allow_nan=False))

@@ -13,6 +13,7 @@ from rich.text import Text
 from woz_tui.analysis import report_tables as tables
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.experiment_names import file_of
+from woz_tui.analysis.feature_report import apart_tables
 from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import PartFigures, Reactions, SessionFigures
 from woz_tui.analysis.measures import title_of
@@ -139,7 +140,7 @@ def _actions(page: ReportPage, figures: SessionFigures, top: int) -> Block:
 
 def _reaction_bars(page: ReportPage, figures: SessionFigures) -> Block:
     found = figures.whole.reactions
-    reactions = found.get(ALL_CUES) or found.get("training")
+    reactions = found.get(ALL_CUES) or next(iter(found.values()), None)
     if reactions is None or not (reactions.times or reactions.missed):
         return []
     lines = reaction_bars(reactions, figures.window_us, page.half, page.signs)
@@ -261,7 +262,8 @@ def show_sessions(page: ReportPage, grouped: GroupedSessions) -> None:
         )
         if reworded:
             page.trouble(f"the words of {', '.join(reworded)} were changed between these sessions")
-    page.print(page.block(tables.trainings(grouped)))
+    for table in apart_tables(grouped):
+        page.print(page.block(table))
     if grouped.reruns:
         page.say()
         page.trouble(f"re-runs are not counted as sessions: {', '.join(grouped.reruns)}")

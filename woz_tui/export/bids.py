@@ -17,12 +17,14 @@ from typing import Any
 from woz_tui import __version__
 from woz_tui.analysis.event_rows import AnswerRow
 from woz_tui.analysis.experiment_names import ExperimentNames
+from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.tables import ANSWERS, EVENTS, Cell, Column, TableDefinition
 from woz_tui.analysis.text_format import counted
 from woz_tui.export.event_model import ExportEvent, ExportSession, letters
 from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
 from woz_tui.export.log_sources import LogSource
 from woz_tui.export.output_folder import OutputFolder
+from woz_tui.feature import pieces
 from woz_tui.log.log_reader import Damage
 from woz_tui.protocol.kinds import message_kinds
 from woz_tui.protocol.messages import Reading
@@ -73,7 +75,9 @@ class BidsExporter(Exporter):
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """Writes one session: for each participant, what happened under their code."""
         if not session.figures.of_study:
-            what = "a re-run" if session.figures.rerun_of else "a training of a wizard"
+            kinds, name = pieces("figures", FeatureFigures), session.figures.apart
+            apart = kinds[name].apart if name else None
+            what = apart.what if apart is not None else "a re-run"
             return [f"{what}, in which nobody took part: it is left out"]
         codes = session.participants or [""]
         paths = [self._participant(session, code) for code in codes]

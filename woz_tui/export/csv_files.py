@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import msgspec
 
 from woz_tui.analysis.csv_package import DICTIONARY, GUARDED, TableFiles
+from woz_tui.analysis.feature_report import reports
 from woz_tui.analysis.spreadsheets import PLAIN, SPREADSHEETS
 from woz_tui.analysis.tables import EVENTS, SAMPLES
 from woz_tui.export.event_model import ExportSession
@@ -17,6 +18,7 @@ from woz_tui.export.redaction import PLACEHOLDER
 from woz_tui.log.log_reader import Damage
 from woz_tui.protocol.messages import Reading
 
+_FEATURES = "".join(f"- {line}\n" for each in reports() for line in each.about)
 _ABOUT = f"""## Files
 
 - `events.csv`: everything that happened, one row each; the table to begin with
@@ -26,8 +28,7 @@ _ABOUT = f"""## Files
 - `questionnaires.csv`, `questionnaires_wide.csv`: answers
 - `settings.csv`: settings of robots, and where they differed from the requested values
 - `wizards.csv`: what each of several wizards played
-- `trainings.csv`: trainings of wizards
-- `sessions.csv`: the sessions, and what is wrong with their logs
+{_FEATURES}- `sessions.csv`: the sessions, and what is wrong with their logs
 - `samples.csv`: values of the sensors (only with `--samples`)
 - `{DICTIONARY}`: what each column means, its type and unit
 

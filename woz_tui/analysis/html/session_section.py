@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from woz_tui.analysis import report_tables as tables
+from woz_tui.analysis.feature_report import feature_tiles
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.html.distribution_plots import distribution, transitions
 from woz_tui.analysis.html.figure_definitions import defined, table
@@ -142,7 +143,7 @@ def _who(figures: SessionFigures) -> Iterator[tuple[str, Child]]:
 
 
 def _tiles(figures: SessionFigures) -> Iterator[Markup]:
-    whole, training = figures.whole, figures.training
+    whole = figures.whole
     reactions = whole.reactions.get("all")
 
     def tile(measure: str, more: str) -> Markup:
@@ -168,12 +169,8 @@ def _tiles(figures: SessionFigures) -> Iterator[Markup]:
     yield tile("stops", f"actions failed: {ends.failed}, refused: {ends.refused}")
     if figures.trials:
         yield tile("trials", f"of {len(figures.trials)} begun")
-    if training:
-        more = f"{training.right} of {training.cues} cues right, {training.missed} missed, "
-        more += f"{training.wrong} wrong, {training.uncalled} uncalled"
-        yield tag(
-            "li", tag("span", "Training"), tag("b", percent(training.score)), tag("small", more)
-        )
+    for title, value, more in feature_tiles(figures):
+        yield tag("li", tag("span", title), tag("b", value), tag("small", more))
 
 
 def _timeline(entry: SessionEntry) -> Markup:

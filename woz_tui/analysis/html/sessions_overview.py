@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from woz_tui.analysis.feature_report import apart_tables
 from woz_tui.analysis.figures import OUTSIDE, PartFigures
 from woz_tui.analysis.html.figure_definitions import defined, table, wide
 from woz_tui.analysis.html.markup import Child, Markup, isolated, joined, short, tag
@@ -18,7 +19,6 @@ from woz_tui.analysis.report_tables import (
     condition_totals,
     figure_text,
     item_totals,
-    trainings,
 )
 from woz_tui.analysis.text_format import NONE
 from woz_tui.analysis.timeline_lanes import LANES
@@ -30,7 +30,7 @@ def overview(found: Sequence[SessionEntry]) -> Markup | None:
         return None
     damaged = [entry for entry in found if entry.figures.wholeness.sentences]
     reruns = [entry for entry in found if entry.figures.rerun_of]
-    trained = [entry for entry in found if entry.figures.training is not None]
+    trained = [entry for entry in found if entry.figures.apart]
     played = [entry for entry in found if entry not in reruns and entry not in trained]
     return tag(
         "section",
@@ -106,7 +106,7 @@ def _totals(found: Sequence[SessionEntry]) -> Iterator[Markup | None]:
             yield tag("h3", isolated(experiment or "experiment not recorded"))
         yield table(condition_totals(grouped.totals(experiment)))
         yield table(item_totals(grouped.items(experiment)))
-    yield table(trainings(grouped))
+    yield from map(table, apart_tables(grouped))
 
 
 def _strips(found: Sequence[SessionEntry]) -> Markup:

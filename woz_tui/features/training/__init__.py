@@ -11,6 +11,8 @@ class Training(Feature):
     sentences = "console:SENTENCES"
     notes = "console:TrainingNotes"
     console = "console:CONSOLE"
+    figures = "figures:FIGURES"
+    report = "report:REPORT"
     session = "in_session:TrainingSession"
     session_kind = "session_kind:TRAINING"
     command = CommandLine(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui.analysis.figures import TrainingFigures
 from woz_tui.analysis.session_reading import NoSessionError, read_report
+from woz_tui.features.training.figures import TrainingFigures
 from woz_tui.log.sessions import sessions_in
 
 
@@ -27,11 +27,10 @@ def score_of(log: Path) -> TrainingScore | None:
         figures = read_report(log).figures
     except (NoSessionError, OSError):
         return None
-    if figures.training is None or not figures.training.cues:
+    training: TrainingFigures | None = figures.features.get("training")
+    if training is None or not training.cues:
         return None
-    return TrainingScore(
-        figures.wizard, figures.started, figures.session, figures.title, figures.training
-    )
+    return TrainingScore(figures.wizard, figures.started, figures.session, figures.title, training)
 
 
 def history(folder: Path, wizard: str = "") -> list[TrainingScore]:

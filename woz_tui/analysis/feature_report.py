@@ -1,0 +1,66 @@
+"""Tables and tiles of features in reports and exports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, ClassVar, NamedTuple
+
+from woz_tui.analysis.feature_figures import ApartSession
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.analysis.report_tables import ReportTable
+from woz_tui.analysis.tables import FIGURES, TableDefinition
+from woz_tui.feature import pieces
+
+
+class FigureTile(NamedTuple):
+    """A figure in large on the page of a session."""
+
+    title: str
+    value: str
+    more: str
+
+
+class FeatureReport:
+    """What a feature has in reports. Figures are those of its `FeatureFigures`.
+
+    Attributes:
+        tables: Its files among those of `woz report --csv` and `woz export`.
+        about: A line on each of them for the README of an export.
+    """
+
+    tables: ClassVar[tuple[TableDefinition[Any], ...]] = ()
+    about: ClassVar[tuple[str, ...]] = ()
+
+    def apart(self, sessions: Sequence[ApartSession]) -> ReportTable | None:
+        """The table of its sessions in which nobody took part."""
+        return None
+
+    def tiles(self, figures: Any) -> Iterator[FigureTile]:
+        """What the page of a session shows in large."""
+        yield from ()
+
+
+def reports() -> Iterable[FeatureReport]:
+    """Of all features."""
+    return pieces("report", FeatureReport).values()
+
+
+def figure_tables() -> tuple[TableDefinition[Any], ...]:
+    """What is computed of a session's timeline, that of features included."""
+    return (*FIGURES, *(table for each in reports() for table in each.tables))
+
+
+def apart_tables(grouped: GroupedSessions) -> Iterator[ReportTable]:
+    """Tables of sessions in which nobody took part."""
+    for name, report in pieces("report", FeatureReport).items():
+        table = report.apart(grouped.apart.get(name, ()))
+        if table is not None:
+            yield table
+
+
+def feature_tiles(figures: SessionFigures) -> Iterator[FigureTile]:
+    """What features show in large of a session."""
+    for name, report in pieces("report", FeatureReport).items():
+        if name in figures.features:
+            yield from report.tiles(figures.features[name])

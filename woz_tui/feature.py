@@ -80,6 +80,8 @@ class Feature:
         session: A subclass of `session.session_features.SessionFeature`: what it does in a session.
         history: A subclass of `timeline.feature_history.FeatureHistory`: what it keeps of a log.
         view: A `host.feature_view.FeatureView`: what consoles are told of it at first.
+        redaction: A `session.redactor.FeatureRedaction`: what a wizard sees of its messages who
+            does not see everything.
         export: An `export.feature_export.FeatureExport`: what becomes of its lines in exports.
         exporters: Formats of `woz export`, made like `export.export_run.FORMATS`.
         figures: An `analysis.feature_figures.FeatureFigures`: what it counts in sessions.
@@ -101,6 +103,7 @@ class Feature:
     session: ClassVar[str] = ""
     history: ClassVar[str] = ""
     view: ClassVar[str] = ""
+    redaction: ClassVar[str] = ""
     export: ClassVar[str] = ""
     exporters: ClassVar[str] = ""
     figures: ClassVar[str] = ""

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import msgspec
 
+from tests.protocol.feature_examples import feature_examples
 from tests.protocol.study_examples import BEGINNING, COURSE, FILE_SHA
 from woz_tui.features.profiles.kinds import AskProfile, ProfileChanged
 from woz_tui.protocol import codec
@@ -435,7 +436,7 @@ REQUESTS: tuple[r.Request, ...] = (
     r.AskAnswer(ref=26, questionnaire="robot", item="friendly", value=6.0, answered_us=2_300_000),
     r.AskAnswer(ref=27, questionnaire="robot", item="else", skipped=True),
     r.AskAnswer(ref=32, questionnaire="robot", item="else", text="it blinked"),
-    r.AskTraining(ref=31),
+    *feature_examples("training", "REQUESTS"),
     r.AskCheck(ref=28, check="the camera sees the whole table", ok=False, text="lamp in the way"),
     r.AskReplay(ref=29, what="seek", by_s=-5.0),
     r.AskReplay(ref=30, what="go", to="12:34"),

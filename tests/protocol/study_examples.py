@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from tests.protocol.feature_examples import feature_examples
 from woz_tui.features.delay.kinds import ActionHeld, ShapingChanged
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -48,17 +49,7 @@ BEGINNING: tuple[m.Message, ...] = (
 COURSE: tuple[m.Message, ...] = (
     m.TrialStarted(trial=1, condition="warm", planned=4),
     ActionHeld(run="a00007", action="Hello", sort="speech", cued=9_000_000, until=9_950_000),
-    m.CueGiven(
-        cue="q0001",
-        sort="question",
-        text="How long is the whale?",
-        expects=["Exhibit"],
-        window_us=4_000_000,
-    ),
-    m.CueAnswered(
-        cue="q0001", judged="right", action="Exhibit", run="a00008", reaction_us=1_204_000
-    ),
-    m.CueAnswered(cue="", judged="uncalled", action="Bye", run="a00009"),
+    *feature_examples("training", "CUES"),
     m.TrialEnded(trial=1, outcome="done", text="the phone rang once"),
     m.BreakStarted(text="a glass of water"),
     m.BreakEnded(text="five minutes"),
@@ -96,10 +87,7 @@ COURSE: tuple[m.Message, ...] = (
         questionnaire="robot", item="age", question="How old are you?", skipped=True
     ),
     m.QuestionnaireEnded(questionnaire="robot", reason="done", answered=2),
-    m.TrainingChanged(state="waits", planned=20),
-    m.TrainingChanged(
-        state="over", planned=20, right=15, wrong=3, missed=2, uncalled=1, median_us=1_240_000
-    ),
+    *feature_examples("training", "COURSE"),
     m.RerunStarted(
         original="2026-02-27T10-00-00_P03_S03.jsonl",
         original_session="S03",

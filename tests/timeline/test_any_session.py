@@ -82,7 +82,8 @@ def known_state(state: SessionState) -> dict[str, Any]:
         "delay": state.history(DelayHistory).changed,
         "profile": state.history(ProfileHistory).changed,
         "rest": (state.consoles, state.recorder, state.start, state.end, state.scripts),
-        "cue": (state.cue and state.cue.given, state.rerun and state.rerun.started),
+        "features": {kind: [*each.lines] for kind, each in state.histories.items()},
+        "rerun": state.rerun and state.rerun.started,
     }  # fmt: skip
 
 

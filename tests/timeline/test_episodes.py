@@ -14,7 +14,6 @@ from woz_tui.timeline.episodes import (
     ActionEpisode,
     CommandEpisode,
     ConflictEpisode,
-    CueEpisode,
     EngagementEpisode,
     Episode,
     FaultedLaneEpisode,
@@ -331,16 +330,6 @@ def test_profiles_and_restrictions_last_until_they_change() -> None:
     ]
     assert spans(of(ProfileEpisode, *course)) == [(1, 2, "child"), (3, 3, "adult")]
     assert spans(of(RestrictionEpisode, *course)) == [(2, 2, "")]
-
-
-def test_a_cue_of_a_training_ends_as_it_was_judged() -> None:
-    [cue] = of(
-        CueEpisode,
-        (1, m.CueGiven(cue="q1", sort="question", expects=["Exhibit"], window_us=SECOND)),
-        (2, m.CueAnswered(cue="", judged="uncalled", action="Bye")),
-        (3, m.CueAnswered(cue="q1", judged="wrong", action="Bye")),
-    )
-    assert (cue.label, cue.outcome, cue.duration) == ("question", "wrong", 2 * SECOND)
 
 
 # -- questionnaires -------------------------------------------------------------------------------

@@ -84,8 +84,6 @@ _LABEL_AND_TEXT: Mapping[str, tuple[str, str]] = {
     "listener.left": ("driver", ""),
     "condition.assigned": ("method", "why"),
     "preflight.checked": ("level", "detail"),
-    "cue.given": ("sort", "text"),
-    "cue.answered": ("judged", ""),
     "rerun.started": ("original_session", ""),
     "rerun.skipped": ("original_command", "reason"),
     "rerun.ended": ("reason", ""),

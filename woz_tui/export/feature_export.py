@@ -15,15 +15,19 @@ class FeatureExport:
 
     Attributes:
         label_and_text: The field that becomes an event's label and the one that becomes its text.
+        points: Tiers of moments, each with its kinds.
         settings: Kinds that change how the session is run: they share a tier.
         kept: Fields whose texts stay in a redacted log, because they are codes, words of the
             program or labels of the experiment file; any other text does not.
+        ids: Fields by whose value lines belong together, as by a run's.
         of_session: Kinds that say nothing of a participant, so that a withdrawal leaves them.
     """
 
     label_and_text: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    points: Mapping[str, Collection[str]] = field(default_factory=dict)
     settings: Collection[str] = ()
     kept: Mapping[str, Collection[str]] = field(default_factory=dict)
+    ids: Collection[str] = ()
     of_session: Collection[str] = ()
 
 
@@ -54,3 +58,9 @@ def kept_fields() -> dict[str, frozenset[str]]:
 def kinds_of_session() -> frozenset[str]:
     """`of_session` of all features."""
     return frozenset(kind for each in exports() for kind in each.of_session)
+
+
+@cache
+def id_fields() -> tuple[str, ...]:
+    """`ids` of all features."""
+    return tuple(name for each in exports() for name in each.ids)

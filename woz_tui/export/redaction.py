@@ -32,7 +32,7 @@ KEPT = frozenset(
         *("evidence", "unable"),
         *("halted", "now", "outcome", "emotion", "rows", "waiting", "lit", "trail", "uses", "next"),
         *("method", "order", "cues", "sort", "hidden", "blurred", "what", "without"),
-        *("questionnaire", "item", "cue", "expects", "judged", "tells", "sees"),
+        *("questionnaire", "item", "tells", "sees"),
         *("script", "conditions", "keyboard", "drivers", "variables"),
     }
 )

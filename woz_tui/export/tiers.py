@@ -10,7 +10,7 @@ from itertools import chain
 import msgspec
 
 from woz_tui.export.event_model import ExportEvent, ExportSession
-from woz_tui.export.feature_export import settings_kinds
+from woz_tui.export.feature_export import exports, settings_kinds
 from woz_tui.system.text_cleaning import one_line
 
 
@@ -70,7 +70,7 @@ AFTER: _Sorts = (
     ("markers", True, _of("marker")),
     ("notes", True, _of("note")),
     ("mistakes", True, _of("mistake")),
-    ("cues", True, _of("cue.given", "cue.answered")),
+    *((name, True, _of(*kinds)) for each in exports() for name, kinds in each.points.items()),
     ("drivers", True, lambda event: event.kind.startswith(("driver.", "lane."))),
     ("settings", True, _sets),
     ("settings that differ", False, _of("difference")),

@@ -51,8 +51,6 @@ from woz_tui.protocol.study_messages import (
     BreakEnded,
     BreakStarted,
     ConditionsAssigned,
-    CueAnswered,
-    CueGiven,
     ExperimentFiles,
     PerceptionChanged,
     PreflightChecked,
@@ -64,7 +62,6 @@ from woz_tui.protocol.study_messages import (
     RerunSkipped,
     RerunStarted,
     SessionPlan,
-    TrainingChanged,
     TrialEnded,
     TrialStarted,
 )
@@ -89,8 +86,6 @@ __all__ = [
     "Command",
     "CommandMark",
     "ConditionsAssigned",
-    "CueAnswered",
-    "CueGiven",
     "Dispatched",
     "Done",
     "End",
@@ -123,7 +118,6 @@ __all__ = [
     "Stopped",
     "Superseded",
     "TimedOut",
-    "TrainingChanged",
     "TrialEnded",
     "TrialStarted",
 ]

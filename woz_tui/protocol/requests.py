@@ -347,10 +347,6 @@ class AskCheck(Request, frozen=True, kw_only=True, tag="check"):
     text: str = ""
 
 
-class AskTraining(Request, frozen=True, kw_only=True, tag="training"):
-    """Begin the training that waits for it."""
-
-
 class AskReplay(Request, frozen=True, kw_only=True, tag="replay"):
     """Move through a log that is being replayed; a robot process refuses it.
 
@@ -436,7 +432,6 @@ REQUESTS: tuple[type[Request], ...] = (
     AskQuestionnaire,
     AskAnswer,
     AskCheck,
-    AskTraining,
     AskReplay,
     AskPicture,
     AskSound,

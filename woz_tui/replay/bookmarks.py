@@ -5,10 +5,13 @@ from __future__ import annotations
 import bisect
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
+from woz_tui.feature import pieces
 from woz_tui.log.line_order import count_falls
 from woz_tui.protocol import messages as m
+from woz_tui.timeline.feature_history import FeatureHistory
 
 #: How much is shown before what ends an idle stretch, in microseconds, at most.
 LEAD_US = 1_000_000
@@ -39,8 +42,6 @@ _EVENTS = (
     m.QuestionnaireStarted,
     m.QuestionnaireAnswered,
     m.QuestionnaireEnded,
-    m.CueGiven,
-    m.CueAnswered,
 )
 
 
@@ -99,7 +100,13 @@ def bookmarks_of(marks: Iterable[Bookmark | None]) -> list[Bookmark]:
 
 def is_event(message: object) -> bool:
     """Whether a line is something that happened, so that it ends an idle stretch."""
-    return isinstance(message, _EVENTS)
+    return isinstance(message, _all_events())
+
+
+@cache
+def _all_events() -> tuple[type[object], ...]:
+    kinds: list[type[FeatureHistory]] = [*pieces("history", type).values()]
+    return (*_EVENTS, *(deed for kind in kinds for deed in kind.deeds))
 
 
 @dataclass(frozen=True, slots=True)

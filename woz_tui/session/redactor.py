@@ -9,6 +9,7 @@ A wizard and a watcher are blind to the condition where the experiment says so, 
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -20,12 +21,15 @@ from msgspec.structs import fields, replace
 from woz_tui.config.engagement_words import STATES
 from woz_tui.config.study_words import BLURRED, PERCEIVED
 from woz_tui.config.utterance_template import VISITOR
+from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol import welcome as s
 from woz_tui.protocol.kinds import closed_kinds
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.proxemics import ZONES
+
+log = logging.getLogger(__name__)
 
 #: What stands in the place of something hidden.
 HIDDEN = "hidden"
@@ -104,6 +108,26 @@ class PerceptionFilter:
     def keeps(self, *names: str) -> bool:
         """Whether any of these is not shown as it is."""
         return any(name in self.hidden or name in self.blurred for name in names)
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureRedaction:
+    """What is left of a feature's messages where perception is restricted, by their kind; None:
+    nothing. Those that may not be seen by others either way are not `open` (see `FeatureKinds`).
+    """
+
+    perceived: Mapping[type[m.Message], Callable[[Any, PerceptionFilter], m.Message | None]]
+
+
+@cache
+def _redactions() -> dict[type[m.Message], Callable[[Any, PerceptionFilter], m.Message | None]]:
+    of_features = pieces("redaction", FeatureRedaction).values()
+    return {kind: hide for each in of_features for kind, hide in each.perceived.items()}
+
+
+def _feature_redaction(message: m.Message, perception: PerceptionFilter) -> m.Message | None:
+    hide = _redactions().get(type(message))
+    return message if hide is None else hide(message, perception)
 
 
 class Redactor:
@@ -273,8 +297,16 @@ class Redactor:
             if self.perception.hides(_SHOWN_WITH.get(type(seen), "")):
                 return None
             hide = _PERCEIVED.get(type(seen))
-            seen = hide(self, seen) if hide is not None else seen
+            seen = hide(self, seen) if hide is not None else self._of_feature(seen)
         return seen
+
+    def _of_feature(self, message: m.Message) -> m.Message | None:
+        """What a feature leaves of it where perception is restricted; nothing, if that fails."""
+        try:
+            return _feature_redaction(message, self.perception)
+        except Exception:
+            log.exception("the redaction of %s failed", type(message).__name__)
+            return None
 
     def _worded(self, message: m.RestrictedMessage) -> m.Message | None:
         """Without its words, if they tell what is kept."""
@@ -449,12 +481,6 @@ class Redactor:
     def _speech_text(self, message: m.SpeechText) -> m.Message:
         blurs = self.perception.blurs("transcript")
         return replace(message, text=dots(message.text), words=[]) if blurs else message
-
-    def _cue(self, message: m.CueGiven) -> m.Message:
-        if not message.text or not self.perception.keeps("transcript"):
-            return message
-        text = "" if self.perception.hides("transcript") else dots(message.text)
-        return replace(message, text=text)
 
     def _body(self, message: m.BodyChanged) -> m.Message:
         if not self.perception.hides("face"):
@@ -682,7 +708,6 @@ _PERCEIVED: Mapping[type[m.Message], Callable[[Redactor, Any], m.Message | None]
     m.ModeChanged: Redactor._mode_why,
     m.SpeechEnded: Redactor._speech_ended,
     m.SpeechText: Redactor._speech_text,
-    m.CueGiven: Redactor._cue,
     m.BodyChanged: Redactor._body,
     m.SettingsShown: Redactor._settings,
     m.PreflightChecked: Redactor._checked,

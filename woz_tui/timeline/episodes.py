@@ -32,8 +32,8 @@ def keep_latest(table: dict[K, V], key: K, value: V, most: int = MOST_KEPT) -> N
 
 
 class EpisodeOutcome(enum.StrEnum):
-    """How episodes end. Trials, questionnaires and cues end with the word in their message, which
-    need not be one of these in the log of another version.
+    """How episodes end. Trials and questionnaires end with the word in their message, which need
+    not be one of these in the log of another version; features may have words of their own.
 
     * open: no end is in the log, or so far.
     * done: action, command, trial, phase, break, questionnaire, utterance, re-run; a stop of
@@ -47,7 +47,6 @@ class EpisodeOutcome(enum.StrEnum):
     * released: stop. recovered: lost driver, faulted lane.
     * changed: profile, restricted perception, a robot's setting, a conflict of settings.
     * lost: utterance, setting or conflict whose driver was lost.
-    * right, wrong, missed, void: cue of a training.
     * moment: it did not last.
     """
 
@@ -69,10 +68,6 @@ class EpisodeOutcome(enum.StrEnum):
     RECOVERED = "recovered"
     CHANGED = "changed"
     LOST = "lost"
-    RIGHT = "right"
-    WRONG = "wrong"
-    MISSED = "missed"
-    VOID = "void"
     MOMENT = "moment"
 
 
@@ -368,19 +363,6 @@ class QuestionnaireEpisode(Episode, frozen=True, kw_only=True):
         """With the answers."""
         both = (self.started, *self.answers.values(), self.ended)
         return (line for line in both if line is not None)
-
-
-class CueEpisode(Episode, frozen=True, kw_only=True):
-    """A cue of a training, and what the wizard made of it."""
-
-    kind = "cue"
-    given: m.CueGiven
-    answered: m.CueAnswered | None = None
-
-    @property
-    def label(self) -> str:
-        """Its sort."""
-        return self.given.sort
 
 
 class RerunEpisode(Episode, frozen=True, kw_only=True):

@@ -21,6 +21,13 @@ class FeatureHistory:
 
     #: What each kind of message does. Kinds of the core reach the session's state first.
     cases: ClassVar[Mapping[type[Message], HistoryCase]] = {}
+    #: Kinds that tell of something that happened: a replay leaves no such moment out.
+    deeds: ClassVar[tuple[type[Message], ...]] = ()
+
+    @property
+    def apart(self) -> bool:
+        """Whether nobody takes part in the session, because of the feature."""
+        return False
 
     def restart(self) -> str | None:
         """The value of the feature's start option with which a session that broke off goes on;

@@ -23,7 +23,6 @@ from woz_tui.timeline.episodes import (
     OUTCOMES,
     ActionEpisode,
     CommandEpisode,
-    CueEpisode,
     Episode,
     EpisodeOutcome,
     FaultedLaneEpisode,
@@ -107,7 +106,6 @@ class SessionState:
         scripts: Where each script stands, by the phase whose it is (empty: the file's).
         locks: What locked or unlocked panels since they were shown last.
         consoles: Those that are there.
-        cue: The cue of a training that nobody has answered.
         rerun: The re-run under way.
         histories: What features keep, by its class.
     """
@@ -142,9 +140,7 @@ class SessionState:
     perception: m.PerceptionChanged | None = None
     restriction: RestrictionEpisode | None = None
     consoles: dict[str, m.ConsoleAttached] = field(default_factory=dict)
-    cue: CueEpisode | None = None
     rerun: RerunEpisode | None = None
-    training: m.TrainingChanged | None = None
     all_commands: bool = False
     histories: dict[type[FeatureHistory], FeatureHistory] = field(default_factory=_fresh_histories)
     #: Passing commands so far, and those under way.
@@ -163,6 +159,11 @@ class SessionState:
     def stop(self) -> StopEpisode | None:
         """The stop, while it is latched."""
         return self.stops.get("all")
+
+    @property
+    def apart(self) -> bool:
+        """Whether nobody takes part: a re-run, or what a feature says."""
+        return self.rerun is not None or any(each.apart for each in self.histories.values())
 
     def sensor_state(self, sensor: str) -> str:
         """The last state of a sensor; a value after it says that it is not stale any more."""
@@ -608,22 +609,7 @@ class SessionState:
         is_end = any(not episode.cut for episode in ended)
         return ended if is_end else (*ended, *self._moment(message))
 
-    # -- training, re-run -------------------------------------------------------------------------
-
-    def _training(self, message: m.TrainingChanged) -> Iterable[Episode]:
-        self.training = message
-        return self._moment(message)
-
-    def _cue(self, message: m.CueGiven) -> Iterator[Episode]:
-        cue = CueEpisode(begin=self.t, seq=message.seq, given=message)
-        return self._succeed("cue", cue, message, cut=True)
-
-    def _judged(self, message: m.CueAnswered) -> Iterable[Episode]:
-        cue = self.cue
-        if cue is None or cue.given.cue != message.cue:
-            return self._moment(message)
-        self.cue = None
-        return (replace(cue, end=self.t, outcome=message.judged, answered=message),)
+    # -- re-run -----------------------------------------------------------------------------------
 
     def _rerun_started(self, message: m.RerunStarted) -> Iterator[Episode]:
         rerun = RerunEpisode(begin=self.t, seq=message.seq, started=message)
@@ -740,9 +726,6 @@ CASES: dict[type[m.Message], _Case] = {
     m.QuestionnaireAnswered: lambda state, message: state.study.answer(message, state.t),
     m.QuestionnaireEnded: S._questionnaire_ended,
     m.PerceptionChanged: S._perception,
-    m.TrainingChanged: S._training,
-    m.CueGiven: S._cue,
-    m.CueAnswered: S._judged,
     m.RerunStarted: S._rerun_started,
     m.RerunEnded: S._rerun_ended,
     **dict.fromkeys(

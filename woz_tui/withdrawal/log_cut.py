@@ -10,7 +10,7 @@ from typing import Any, BinaryIO
 import msgspec
 
 from woz_tui import __version__
-from woz_tui.export.feature_export import kinds_of_session
+from woz_tui.export.feature_export import id_fields, kinds_of_session
 from woz_tui.log.damage import Damage
 from woz_tui.log.line_reader import LogLine
 from woz_tui.protocol import codec
@@ -31,7 +31,7 @@ OF_THE_SESSION = frozenset(
         *("verbs.unable", "lane.faulted", "lane.recovered", "mode.changed", "settings.shown"),
         *("console.attached", "console.lost", "listener.joined", "listener.left"),
         *("panel.locked", "perception.changed"),
-        *("engagement.settings", "training.changed"),
+        *("engagement.settings",),
         *("rerun.started", "rerun.ended"),
     }
 )
@@ -271,7 +271,7 @@ class LogCut:
 def _keys(line: LogLine) -> Iterator[tuple[object, ...]]:
     """What a line belongs to, by id; the more general first."""
     fields = line.fields
-    for name in ("run", "command", "cue"):
+    for name in ("run", "command", *id_fields()):
         if isinstance(given := fields.get(name), str) and given:
             yield name, given
     subject = line.kind.partition(".")[0]

@@ -8,6 +8,7 @@ import pytest
 
 from tests.log.recorder_rig import RecorderRig
 from woz_tui.cli import main
+from woz_tui.features.training.kinds import CueAnswered, CueGiven
 from woz_tui.features.training.score_history import history, score_of
 from woz_tui.protocol import messages as m
 
@@ -32,9 +33,9 @@ def training(folder: Path, wizard: str, verdicts: list[tuple[str, int]]) -> Path
         cue = f"q{number}" if judged != "uncalled" else ""
         if cue:
             rig.hub.publish(
-                m.CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=4_000_000)
+                CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=4_000_000)
             )
-        rig.hub.publish(m.CueAnswered(cue=cue, judged=judged, action="x", reaction_us=reaction))
+        rig.hub.publish(CueAnswered(cue=cue, judged=judged, action="x", reaction_us=reaction))
     rig.hub.publish(m.SessionEnd(reason="wizard"))
     rig.recorder.close()
     return rig.recorder.path

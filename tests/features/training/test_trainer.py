@@ -11,6 +11,10 @@ import pytest
 
 from tests.session.rig import Kind, SessionRig
 from woz_tui.features.training.cue_plan import PlannedCue
+from woz_tui.features.training.kinds import (
+    CueAnswered,
+    CueGiven,
+)
 from woz_tui.features.training.trainer import Trainer
 from woz_tui.features.training.training_visitor import AWAY_M, NEAR_M, TrainingVisitor
 from woz_tui.gate.questions import RequestOrigin
@@ -58,7 +62,7 @@ class Course(SessionRig):
 
     @property
     def verdicts(self) -> list[tuple[str, str, str]]:
-        return [(line.cue, line.judged, line.action) for line in self.of(m.CueAnswered)]
+        return [(line.cue, line.judged, line.action) for line in self.of(CueAnswered)]
 
 
 Scene = Callable[[Course], Awaitable[None]]
@@ -77,7 +81,7 @@ Train = Callable[[list[PlannedCue], Scene], Course]
 
 def test_a_right_answer_is_timed_from_the_end_of_the_question(train: Train) -> None:
     async def scene(course: Course) -> None:
-        message = await course.next(m.CueGiven)
+        message = await course.next(CueGiven)
         (speech_ended,) = course.of(m.SpeechEnded)
         assert message.t == speech_ended.ended
         await asyncio.sleep(1.5)
@@ -86,14 +90,14 @@ def test_a_right_answer_is_timed_from_the_end_of_the_question(train: Train) -> N
 
     course = train([cue()], scene)
     assert course.verdicts == [("q0001", "right", "Hello")]
-    (answer,) = course.of(m.CueAnswered)
+    (answer,) = course.of(CueAnswered)
     assert answer.reaction_us == pytest.approx(1_500_000, abs=20_000)
     assert course.over == 1
 
 
 def test_another_action_is_wrong_and_the_next_press_is_uncalled(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.next(m.CueGiven)
+        await course.next(CueGiven)
         course.press("Welcome")
         course.press("Hello")
         await asyncio.sleep(10)
@@ -106,8 +110,8 @@ def test_another_action_is_wrong_and_the_next_press_is_uncalled(train: Train) ->
 
 def test_no_answer_in_time_is_a_miss_and_the_next_cue_comes(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.next(m.CueGiven)
-        second = await course.next(m.CueGiven)
+        await course.next(CueGiven)
+        second = await course.next(CueGiven)
         assert second.cue == "q0002"
         course.press("Hello")
 
@@ -120,7 +124,7 @@ def test_no_answer_in_time_is_a_miss_and_the_next_cue_comes(train: Train) -> Non
 @pytest.mark.parametrize(("action", "source"), [("Cold", "key"), ("Hello", "engagement")])
 def test_what_is_no_answer_does_not_count(train: Train, action: str, source: str) -> None:
     async def scene(course: Course) -> None:
-        await course.next(m.CueGiven)
+        await course.next(CueGiven)
         course.press(action, source)
         await asyncio.sleep(10)
 
@@ -129,12 +133,12 @@ def test_what_is_no_answer_does_not_count(train: Train, action: str, source: str
 
 def test_the_stop_voids_the_cue_and_the_training_waits_for_its_release(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.next(m.CueGiven)
+        await course.next(CueGiven)
         course.session.stop("key")
         await asyncio.sleep(60)
-        assert len(course.of(m.CueGiven)) == 1
+        assert len(course.of(CueGiven)) == 1
         course.session.release("key")
-        await course.next(m.CueGiven)
+        await course.next(CueGiven)
         course.press("Hello")
 
     assert train([cue(), cue()], scene).verdicts == [
@@ -147,17 +151,17 @@ def test_a_cue_after_a_stop_that_came_while_the_visitor_spoke_is_void(train: Tra
     async def scene(course: Course) -> None:
         await course.next(m.SpeechStarted)
         course.session.stop("key")
-        message = await course.next(m.CueGiven)
+        message = await course.next(CueGiven)
         await asyncio.sleep(60)
         course.session.release("key")
-        assert isinstance(message, m.CueGiven)
+        assert isinstance(message, CueGiven)
 
     assert train([cue()], scene).verdicts == [("q0001", "void", "")]
 
 
 def test_what_is_pressed_after_the_last_cue_does_not_count(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.next(m.CueGiven)
+        await course.next(CueGiven)
         course.press("Hello")
         await asyncio.sleep(1)
         assert course.over == 1
@@ -171,7 +175,7 @@ def test_what_is_pressed_after_the_last_cue_does_not_count(train: Train) -> None
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_training_that_fails_says_so(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.next(m.CueGiven)
+        await course.next(CueGiven)
         course.visitor.names.clear()
         await asyncio.sleep(1)
         (notice,) = (line for line in course.of(m.Notice) if line.level == "error")
@@ -188,7 +192,7 @@ def test_no_cue_comes_while_the_robot_is_busy(train: Train) -> None:
         await asyncio.sleep(1.9)
         for _ in range(8):
             course.press("Hello")  # a second each
-        message = await course.next(m.CueGiven)
+        message = await course.next(CueGiven)
         ends = [line.t for line in course.of(m.ActionEnd)]
         assert len(ends) == 8
         assert message.t > max(ends)
@@ -198,16 +202,16 @@ def test_no_cue_comes_while_the_robot_is_busy(train: Train) -> None:
 
 def test_the_end_of_the_session_voids_what_waits(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.next(m.CueGiven)
+        await course.next(CueGiven)
 
     assert train([cue()], scene).verdicts == [("q0001", "void", "")]
 
 
 def test_who_is_to_approach_walks_away_first_and_comes_with_the_cue(train: Train) -> None:
     async def scene(course: Course) -> None:
-        await course.next(m.CueGiven)  # a question: somebody stands there
+        await course.next(CueGiven)  # a question: somebody stands there
         assert course.visitor.distance == pytest.approx(NEAR_M, abs=0.05)
-        await course.next(m.CueGiven)
+        await course.next(CueGiven)
         assert course.visitor.distance == pytest.approx(AWAY_M, abs=0.2)
         await asyncio.sleep(3)
         assert course.visitor.distance == pytest.approx(NEAR_M, abs=0.05)
@@ -218,7 +222,7 @@ def test_who_is_to_approach_walks_away_first_and_comes_with_the_cue(train: Train
 @pytest.mark.parametrize("sort", ["turn-away", "leave"])
 def test_who_turns_away_or_leaves_does_so_with_the_cue(train: Train, sort: str) -> None:
     async def scene(course: Course) -> None:
-        message = await course.next(m.CueGiven)
+        message = await course.next(CueGiven)
         assert course.visitor.looks is False
         before = [line for line in course.lines if line.t < message.t]
         looked = [

@@ -19,6 +19,7 @@ from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.report_tables import circumstances
 from woz_tui.analysis.study_figures import Studies
 from woz_tui.features.training.figures import TrainingFigures
+from woz_tui.features.training.kinds import CueAnswered, CueGiven, TrainingChanged
 from woz_tui.protocol import messages as m
 
 
@@ -33,10 +34,10 @@ def counted(figures: SessionFigures) -> TrainingFigures:
 
 def training() -> ExampleSession:
     """As `woz train` has it: a code and a condition, so that their sentences can be said."""
-    cue_given = m.CueGiven(cue="q", sort="leave", expects=["Nod"], window_us=SECOND)
-    right = m.CueAnswered(cue="q", judged="right", reaction_us=500_000)
+    cue_given = CueGiven(cue="q", sort="leave", expects=["Nod"], window_us=SECOND)
+    right = CueAnswered(cue="q", judged="right", reaction_us=500_000)
     session = ExampleSession(session="T01", participant="TRAINING", condition="warm")
-    session.add(0.5, m.TrainingChanged(state="runs", planned=1))
+    session.add(0.5, TrainingChanged(state="runs", planned=1))
     return session.add(1, cue_given, right).speech(2, 3).act(4).end(9)
 
 
@@ -46,15 +47,15 @@ def test_its_cues_are_judged_by_the_training() -> None:
         cue = f"q{number}"
         session.add(
             number * 10 + 1,
-            m.CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=4 * SECOND),
+            CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=4 * SECOND),
         )
         reaction = -1 if judged == "missed" else (number + 1) * 100_000
         session.add(
             number * 10 + 3,
-            m.CueAnswered(cue=cue, judged=judged, action="Hello", reaction_us=reaction),
+            CueAnswered(cue=cue, judged=judged, action="Hello", reaction_us=reaction),
         )
-    session.add(50, m.CueAnswered(cue="", judged="uncalled", action="Nod"))
-    session.add(51, m.CueGiven(cue="q9", sort="leave", expects=["Nod"], window_us=SECOND)).end(60)
+    session.add(50, CueAnswered(cue="", judged="uncalled", action="Nod"))
+    session.add(51, CueGiven(cue="q9", sort="leave", expects=["Nod"], window_us=SECOND)).end(60)
     figures = session_figures(session)
     found = counted(figures)
     assert (found.cues, found.right, found.wrong, found.missed) == (5, 2, 1, 1)
@@ -76,9 +77,9 @@ def test_a_session_without_one_has_none() -> None:
 
 def test_one_whose_cues_became_void_is_one() -> None:
     session = ExampleSession().add(
-        1, m.CueGiven(cue="q1", sort="question", expects=[], window_us=4_000_000)
+        1, CueGiven(cue="q1", sort="question", expects=[], window_us=4_000_000)
     )
-    found = counted(session_figures(session.add(2, m.CueAnswered(cue="q1", judged="void")).end(9)))
+    found = counted(session_figures(session.add(2, CueAnswered(cue="q1", judged="void")).end(9)))
     assert (found.cues, found.score) == (0, None)
 
 
@@ -106,7 +107,7 @@ def test_it_is_no_session_of_a_participant(tmp_path: Path) -> None:
 
 def test_one_that_ended_before_its_first_cue_is_none_either() -> None:
     session = ExampleSession(session="T02", participant="TRAINING")
-    session.add(1, m.TrainingChanged(state="waits", planned=20)).act(2).end(60)
+    session.add(1, TrainingChanged(state="waits", planned=20)).act(2).end(60)
     figures = session_figures(session)
     grouped = GroupedSessions()
     grouped.add(figures)
@@ -120,9 +121,9 @@ def trained(right: int, wall: str) -> SessionFigures:
     session = ExampleSession(participant="", wizard="W2", wall=wall)
     for number in range(4):
         cue, judged = f"q{number}", "right" if number < right else "missed"
-        cue_given = m.CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=SECOND)
+        cue_given = CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=SECOND)
         reaction = 900_000 if number < right else -1
-        session.add(number, cue_given, m.CueAnswered(cue=cue, judged=judged, reaction_us=reaction))
+        session.add(number, cue_given, CueAnswered(cue=cue, judged=judged, reaction_us=reaction))
     return session_figures(session.end(60))
 
 
@@ -143,9 +144,9 @@ def test_the_page_has_its_score_and_compares_it_with_no_session(tmp_path: Path) 
     story = SessionLogBuilder(session="S03")
     for place, judged in enumerate(("right", "right", "right", "missed")):
         cue = f"q{place}"
-        cue_given = m.CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=4_000_000)
+        cue_given = CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=4_000_000)
         story.tell(place * 5, cue_given)
-        story.tell(place * 5 + 2, m.CueAnswered(cue=cue, judged=judged, reaction_us=2_000_000))
+        story.tell(place * 5 + 2, CueAnswered(cue=cue, judged=judged, reaction_us=2_000_000))
     stories = (ordinary("P01", "warm"), ordinary("P02", "cold", "S02"), story)
     page = render([each.report(tmp_path) for each in stories])
     plain = re.sub(r"<[^>]+>", " ", page)
@@ -159,7 +160,7 @@ def test_it_is_no_subject_of_a_data_set(tmp_path: Path) -> None:
         write(tmp_path / "r", [(0, start()), (20, m.Note(text="a"))]),
         write(
             tmp_path / "r",
-            [(0, start("TRAINING", "T01")), (20, m.TrainingChanged(state="over", planned=9))],
+            [(0, start("TRAINING", "T01")), (20, TrainingChanged(state="over", planned=9))],
             "2026-03-03T10-00-00_TRAINING_T01",
         ),
     ]
@@ -169,7 +170,7 @@ def test_it_is_no_subject_of_a_data_set(tmp_path: Path) -> None:
 
 
 def test_nothing_in_it_counts(tmp_path: Path) -> None:
-    changed = m.TrainingChanged(state="runs", planned=9)
+    changed = TrainingChanged(state="runs", planned=9)
     session = session_of(
         tmp_path, [(0, start("TRAINING")), (1, changed), (20, m.Note(text="late"))]
     )

@@ -5,19 +5,19 @@ from __future__ import annotations
 import pytest
 from msgspec.structs import replace
 
-from tests.console import scenes
+from tests.console import scenes, study_scene
 from tests.console.piloting import piloted_console
 from woz_tui.features.training.dialog import BeginDialog, ScoreDialog
-from woz_tui.protocol import messages as m
+from woz_tui.features.training.kinds import AskTraining, CueAnswered, CueGiven, TrainingChanged
 from woz_tui.protocol import requests as r
 
 NOW = scenes.NOW
-WAITS = m.TrainingChanged(state="waits", planned=20, t=NOW)
-RUNS = m.TrainingChanged(state="runs", planned=20, t=NOW)
-OVER = m.TrainingChanged(
+WAITS = TrainingChanged(state="waits", planned=20, t=NOW)
+RUNS = TrainingChanged(state="runs", planned=20, t=NOW)
+OVER = TrainingChanged(
     state="over", planned=5, right=3, wrong=1, missed=1, uncalled=2, median_us=1_240_000, t=NOW
 )
-CUE = m.CueGiven(
+CUE = CueGiven(
     cue="q1", sort="question", text="How old is it?", expects=["Map"], window_us=4_000_000, t=NOW
 )
 
@@ -28,9 +28,9 @@ async def test_it_waits_for_the_key_that_begins_it() -> None:
         await pilot.until(lambda: isinstance(pilot.console.dialog, BeginDialog))
         await pilot.settle()
         assert "20 cues" in pilot.drawn()
-        assert pilot.feed.last(r.AskTraining) is None
+        assert pilot.feed.last(AskTraining) is None
         await pilot.press("enter")
-        assert isinstance(pilot.feed.last(r.AskTraining), r.AskTraining)
+        assert isinstance(pilot.feed.last(AskTraining), AskTraining)
 
 
 async def test_who_looks_at_the_keys_first_begins_it_later() -> None:
@@ -39,7 +39,7 @@ async def test_who_looks_at_the_keys_first_begins_it_later() -> None:
         await pilot.settle()
         await pilot.press("down", "enter")
         await pilot.until(lambda: pilot.console.dialog is None)
-        assert pilot.feed.last(r.AskTraining) is None
+        assert pilot.feed.last(AskTraining) is None
         await pilot.press("asterisk")
         await pilot.until(lambda: isinstance(pilot.console.dialog, BeginDialog))
 
@@ -55,7 +55,7 @@ async def test_the_cue_stands_large_above_the_panels(size: tuple[int, int]) -> N
         assert "How old is it?" in board
         assert pilot.console._main_screen.boards[0].size.height >= 3
         assert "Hello" in pilot.text("ActionPanels")
-        await pilot.tell(m.CueAnswered(cue="q1", judged="wrong", reaction_us=900_000, t=NOW))
+        await pilot.tell(CueAnswered(cue="q1", judged="wrong", reaction_us=900_000, t=NOW))
         assert "How old is it?" not in pilot.text("FeatureBoard")
         assert "wrong" in pilot.text("FeatureBoard")
 
@@ -101,3 +101,43 @@ async def test_who_watches_is_not_asked() -> None:
     first = scenes.welcome(role="watcher", state=[*scenes.healthy(), WAITS])
     async with piloted_console(first) as pilot:
         assert pilot.console.dialog is None
+
+
+@pytest.mark.parametrize(
+    ("judged", "reaction_us", "told", "listed"),
+    [
+        ("right", 1_240_000, "right, 1.2 s", "✓ Cue answered  1.2 s"),
+        ("wrong", 2_000_000, "wrong, 2.0 s; right: Map (m)", "wrongly  2.0 s, right: Map"),
+        ("missed", -1, "missed; right: Map (m)", "▲ Cue missed  right: Map"),
+        ("uncalled", -1, "no cue was waiting", "▲ No cue was waiting"),
+    ],
+)
+async def test_a_trainee_is_told_how_it_was(
+    judged: str, reaction_us: int, told: str, listed: str
+) -> None:
+    async with piloted_console(study_scene.welcome(), size=(160, 50)) as pilot:
+        cue_given = CueGiven(
+            cue="q1", sort="question", text="where is it?", expects=["Map"], window_us=1, t=NOW
+        )
+        await pilot.tell(cue_given)
+        assert "Cue: question" in pilot.text("EventList")
+        assert "Map" not in pilot.text("EventList")
+        await pilot.tell(CueAnswered(cue="q1", judged=judged, reaction_us=reaction_us, t=NOW))
+        assert told in pilot.text("StopBar")
+        assert listed in pilot.text("EventList")
+
+
+async def test_the_label_and_the_key_of_each_right_answer_is_told() -> None:
+    async with piloted_console(study_scene.welcome(), size=(160, 50)) as pilot:
+        expects = ["Map", "gone from the file"]
+        await pilot.tell(CueGiven(cue="q2", sort="leave", expects=expects, window_us=1, t=NOW))
+        await pilot.tell(CueAnswered(cue="q2", judged="missed", t=NOW))
+        assert "missed; right: Map (m) or gone from the file" in pilot.text("StopBar")
+
+
+async def test_a_verdict_on_another_cue_names_nothing() -> None:
+    async with piloted_console(study_scene.welcome()) as pilot:
+        await pilot.tell(CueGiven(cue="q2", sort="leave", expects=["Map"], window_us=1, t=NOW))
+        await pilot.tell(CueAnswered(cue="q1", judged="missed", t=NOW))
+        assert "missed" in pilot.text("StopBar")
+        assert "right" not in pilot.text("StopBar")

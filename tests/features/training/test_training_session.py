@@ -16,7 +16,11 @@ from woz_tui.drivers.plugins import installed
 from woz_tui.features.training import training_course
 from woz_tui.features.training.cue_plan import PlannedCue
 from woz_tui.features.training.in_session import TrainingSession
+from woz_tui.features.training.kinds import AskTraining, CueAnswered, CueGiven, TrainingChanged
 from woz_tui.features.training.session_kind import NOBODY, TRAINING
+from woz_tui.gate.facts import Facts
+from woz_tui.gate.questions import ClientRequest
+from woz_tui.gate.table import why_not
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
 
@@ -32,7 +36,7 @@ def soon(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def states(host: ServedSession) -> list[tuple[str, int]]:
     """The training's states, with what was right so far."""
-    return [(line.state, line.right) for line in host.of(m.TrainingChanged)]
+    return [(line.state, line.right) for line in host.of(TrainingChanged)]
 
 
 def trained(host: ServedSession, cues: Sequence[PlannedCue]) -> TrainingSession:
@@ -54,12 +58,12 @@ async def test_it_begins_when_the_wizard_says_so_and_says_how_it_went(tmp_path: 
         assert states(host) == [("waits", 0)]
         assert (await wizard.ask("training"))["ok"]
         assert not (await wizard.ask("training"))["ok"]
-        await host.published(lambda line: isinstance(line, m.CueGiven))
+        await host.published(lambda line: isinstance(line, CueGiven))
         assert (await wizard.ask("action", action="Hello", source="key"))["ok"]
         over = await host.published(
-            lambda line: isinstance(line, m.TrainingChanged) and line.state == "over"
+            lambda line: isinstance(line, TrainingChanged) and line.state == "over"
         )
-        assert isinstance(over, m.TrainingChanged)
+        assert isinstance(over, TrainingChanged)
         assert (over.right, over.wrong, over.missed) == (1, 0, 0)
         assert over.median_us >= 0
         assert [state for state, _ in states(host)] == ["waits", "runs", "over"]
@@ -84,10 +88,10 @@ async def test_another_wizard_goes_on_with_it(tmp_path: Path) -> None:
         first, second = await host.connect(), await host.connect()
         await first.hello("wizard")
         assert (await first.ask("training"))["ok"]
-        await host.published(lambda line: isinstance(line, m.CueGiven))
+        await host.published(lambda line: isinstance(line, CueGiven))
         await second.hello("wizard", take_over=True)
         await second.ask("action", action="Welcome", source="key")
-        await host.published(lambda line: isinstance(line, m.CueAnswered))
+        await host.published(lambda line: isinstance(line, CueAnswered))
         assert [state for state, _ in states(host)] == ["waits", "runs"]
 
 
@@ -104,7 +108,7 @@ async def test_a_session_that_ends_before_it_begins_gives_no_cue(
         # Each begins behind its like that would give the cue, however late the loop may be.
         await asyncio.sleep(training_course.WARNING_S)
         await asyncio.sleep(APPROACH.pause_us / 1e6)
-        assert not host.of(m.Reading, m.CueGiven)
+        assert not host.of(m.Reading, CueGiven)
 
 
 async def test_nobody_takes_part_and_every_utterance_can_be_said(tmp_path: Path) -> None:
@@ -128,3 +132,8 @@ def test_nobody_is_asked_anything_in_a_training() -> None:
     assert (left.panels, left.sections) == (whole.panels, whole.sections)
     talk = replace(whole, phases=(Phase("talk", panels=("Speech",), lock_others=True),))
     assert TRAINING.experiment(talk).phases == ()
+
+
+def test_none_begins_while_the_session_ends() -> None:
+    assert why_not(Facts(ended=True), ClientRequest(AskTraining(), "wizard")) is not None
+    assert why_not(Facts(), ClientRequest(AskTraining(), "wizard")) is None

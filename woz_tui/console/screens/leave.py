@@ -131,8 +131,7 @@ class LeaveDialog(ChoiceDialog):
         session = self.state.session
         settings = session.study.settings
         is_study = self.state.plan.conditions or settings.design or settings.questionnaires
-        nobody = session.training is not None or session.rerun is not None
-        return bool(is_study) and not session.study.participant and not nobody
+        return bool(is_study) and not session.study.participant and not session.apart
 
     def _open(self, key: str, *sentences: str) -> OpenQuestion:
         before = int(self.requests.drafts.get(f"{_DRAFT}{key}", 0))

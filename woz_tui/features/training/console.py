@@ -13,7 +13,8 @@ from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventContext, EventLine
 from woz_tui.console.state.feature_notes import FeatureNotes, StudyNews
 from woz_tui.console.widgets.feature_console import Board, DialogOffer, FeatureConsole
-from woz_tui.protocol import messages as m
+from woz_tui.features.training.history import TrainingHistory
+from woz_tui.features.training.kinds import CueAnswered, CueGiven, TrainingChanged
 from woz_tui.timeline.session_state import SessionState
 
 #: Lines of the board on a low screen, and on one of so many lines or more.
@@ -46,22 +47,22 @@ _JUDGED = {
 class TrainingNotes(FeatureNotes):
     """The last cue, and what became of it."""
 
-    hears = (m.CueGiven, m.CueAnswered)
+    hears = (CueGiven, CueAnswered)
 
     def __init__(self, session: SessionState) -> None:
         super().__init__(session)
-        self._cue: m.CueGiven | None = None
+        self._cue: CueGiven | None = None
         #: What became of it, or of a press without one.
-        self.judged: m.CueAnswered | None = None
+        self.judged: CueAnswered | None = None
 
-    def apply(self, message: m.CueGiven | m.CueAnswered) -> StudyNews | None:
-        if isinstance(message, m.CueGiven):
+    def apply(self, message: CueGiven | CueAnswered) -> StudyNews | None:
+        if isinstance(message, CueGiven):
             self._cue = message
             return None
         self.judged = message
         return StudyNews(*verdict_text(message), self.right_actions(message))
 
-    def right_actions(self, told: m.CueAnswered) -> tuple[str, ...]:
+    def right_actions(self, told: CueAnswered) -> tuple[str, ...]:
         """Names of the actions that would have answered a cue that was missed or answered wrongly;
         none for others, or if nobody knows.
         """
@@ -70,7 +71,7 @@ class TrainingNotes(FeatureNotes):
         return tuple(cue.expects) if wanted and cue is not None else ()
 
 
-def verdict_text(told: m.CueAnswered) -> tuple[str, str]:
+def verdict_text(told: CueAnswered) -> tuple[str, str]:
     """`right, 1.24 s`, with its look."""
     word, look = _VERDICTS.get(told.judged, (told.judged, "plain"))
     took = f", {seconds(told.reaction_us)}" if told.reaction_us >= 0 else ""
@@ -80,7 +81,7 @@ def verdict_text(told: m.CueAnswered) -> tuple[str, str]:
 # -- the list of events --------------------------------------------------------------------------
 
 
-def _changed(message: m.TrainingChanged, shown: EventContext) -> EventLine:
+def _changed(message: TrainingChanged, shown: EventContext) -> EventLine:
     if message.state == "over":
         judged = message.right + message.wrong + message.missed
         cues = f"{judged} cue{'' if judged == 1 else 's'}"
@@ -90,11 +91,11 @@ def _changed(message: m.TrainingChanged, shown: EventContext) -> EventLine:
     return EventLine("info", f"Training {begins}: {cues}", "nothing moves")
 
 
-def _given(message: m.CueGiven, shown: EventContext) -> EventLine:
+def _given(message: CueGiven, shown: EventContext) -> EventLine:
     return EventLine("heard", f"Cue: {message.sort}", message.text)
 
 
-def _answered(message: m.CueAnswered, shown: EventContext) -> EventLine:
+def _answered(message: CueAnswered, shown: EventContext) -> EventLine:
     mark, text = _JUDGED.get(message.judged, ("info", f"Cue {message.judged}"))
     took = seconds(message.reaction_us) if message.reaction_us >= 0 else ""
     notes = shown.study.notes.of(TrainingNotes)
@@ -103,7 +104,7 @@ def _answered(message: m.CueAnswered, shown: EventContext) -> EventLine:
     return EventLine(mark, text, ", ".join(filter(None, (took, right))))
 
 
-SENTENCES = {m.TrainingChanged: _changed, m.CueGiven: _given, m.CueAnswered: _answered}
+SENTENCES = {TrainingChanged: _changed, CueGiven: _given, CueAnswered: _answered}
 
 
 # -- the board above the panels ------------------------------------------------------------------
@@ -111,7 +112,7 @@ SENTENCES = {m.TrainingChanged: _changed, m.CueGiven: _given, m.CueAnswered: _an
 
 def _lines(state: ConsoleState, height: int) -> int:
     """None outside of a training that runs."""
-    training = state.session.training
+    training = state.session.history(TrainingHistory).training
     if training is None or training.state != "runs":
         return 0
     return _HIGH if height >= _TALL else _LOW
@@ -119,7 +120,7 @@ def _lines(state: ConsoleState, height: int) -> int:
 
 def _rows(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
     """The cue that waits; between two of them what became of the last one."""
-    cue, notes = state.session.cue, state.study.notes.of(TrainingNotes)
+    cue, notes = state.session.history(TrainingHistory).cue, state.study.notes.of(TrainingNotes)
     if cue is not None:
         given = cue.given
         text = f"\N{LEFT DOUBLE QUOTATION MARK}{given.text}\N{RIGHT DOUBLE QUOTATION MARK}"
@@ -154,19 +155,19 @@ def _centred(text: str, look: str, frame: PaintFrame) -> Row:
 
 def _dialog(state: ConsoleState) -> str:
     """Which stands for the training as far as it is; a watcher has none."""
-    training = state.session.training
+    training = state.session.history(TrainingHistory).training
     name = {"waits": "BeginDialog", "over": "ScoreDialog"}.get(training.state if training else "")
     return f"{__package__}.dialog:{name}" if name and state.role == "wizard" else ""
 
 
 def _offer(state: ConsoleState) -> DialogOffer | None:
-    training = state.session.training
+    training = state.session.history(TrainingHistory).training
     return DialogOffer(training, _dialog(state)) if training is not None else None
 
 
 def _instead_of_trial(state: ConsoleState) -> str | None:
     """Before a training its beginning."""
-    training = state.session.training
+    training = state.session.history(TrainingHistory).training
     return _dialog(state) if training is not None and training.state == "waits" else None
 
 

@@ -9,7 +9,8 @@ from textual.content import Content
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.drawing.key_caps import key_name
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
-from woz_tui.protocol.requests import AskTraining
+from woz_tui.features.training.history import TrainingHistory
+from woz_tui.features.training.kinds import AskTraining
 
 
 class BeginDialog(ChoiceDialog):
@@ -20,7 +21,7 @@ class BeginDialog(ChoiceDialog):
 
     def lines(self) -> list[Row]:
         """What will happen."""
-        training = self.state.session.training
+        training = self.state.session.history(TrainingHistory).training
         count = training.planned if training is not None else 0
         return [
             ((f"A visitor is simulated: {count} cue{'' if count == 1 else 's'}.", "strong"),),
@@ -43,7 +44,7 @@ class ScoreDialog(ChoiceDialog):
 
     def lines(self) -> list[Row]:
         """The score, large enough to be read by whoever stands behind the wizard."""
-        told = self.state.session.training
+        told = self.state.session.history(TrainingHistory).training
         if told is None:
             return []
         counted = told.right + told.wrong + told.missed

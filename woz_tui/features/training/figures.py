@@ -11,13 +11,13 @@ from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import CueRow, context_fields, moments
 from woz_tui.analysis.feature_figures import ApartKind, ApartSession, FeatureFigures
 from woz_tui.analysis.text_format import counted, duration, in_seconds, listed, percent
-from woz_tui.protocol import messages as m
-from woz_tui.timeline import episodes as e
+from woz_tui.features.training.history import CueEpisode, TrainingHistory
+from woz_tui.features.training.kinds import RIGHT, VOID, WRONG, CueAnswered
 from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context
 
 #: How cues are judged that were answered.
-_REACTED = (e.EpisodeOutcome.RIGHT, e.EpisodeOutcome.WRONG)
+_REACTED = (RIGHT, WRONG)
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,15 +48,15 @@ class CountedTrainings(FeatureFigures):
 
     def count(self, timeline: Timeline) -> TrainingFigures | None:
         """One that ended before its first cue has none of them."""
-        given = timeline.of(e.CueEpisode)
+        given = timeline.of(CueEpisode)
         answers = [cue.answered for cue in given if cue.answered is not None]
-        answers += [answer for _, answer in moments(timeline, m.CueAnswered)]
-        if timeline.state.training is None and not given and not answers:
+        answers += [answer for _, answer in moments(timeline, CueAnswered)]
+        if timeline.state.history(TrainingHistory).training is None and not given and not answers:
             return None
         judged = Counter(answer.judged for answer in answers)
         rows = (cue for _, cue in self.cues(timeline) if cue.result == "answered")
         return TrainingFigures(
-            cues=sum(cue.outcome != e.EpisodeOutcome.VOID for cue in given),
+            cues=sum(cue.outcome != VOID for cue in given),
             right=judged["right"],
             wrong=judged["wrong"],
             missed=judged["missed"],
@@ -66,7 +66,7 @@ class CountedTrainings(FeatureFigures):
 
     def cues(self, timeline: Timeline) -> Iterator[tuple[Context, CueRow]]:
         """As the training judged them."""
-        for cue in timeline.of(e.CueEpisode):
+        for cue in timeline.of(CueEpisode):
             given = CueRow(
                 **context_fields(cue.context),
                 cue_type="training",
@@ -75,9 +75,7 @@ class CountedTrainings(FeatureFigures):
                 result="cut",
             )
             answer = cue.answered
-            if (
-                answer is None or cue.outcome == e.EpisodeOutcome.VOID
-            ):  # a stop or the end: nobody's failure
+            if answer is None or cue.outcome == VOID:  # a stop or the end: nobody's failure
                 yield cue.context, given
                 continue
             yield (

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from woz_tui.config.experiment import Experiment
+from woz_tui.features.training.kinds import AskTraining, CueAnswered
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
-from woz_tui.protocol.requests import AskTraining
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 
 if TYPE_CHECKING:  # most sessions are no training, and begin without loading it
@@ -68,11 +68,11 @@ class TrainingSession(SessionFeature):
         if self._course is not None and message.role == "wizard":
             self._course.wizard_came()
 
-    def _answered(self, message: m.CueAnswered) -> None:
+    def _answered(self, message: CueAnswered) -> None:
         if self._course is not None:
             self._course.judged(message)
 
     hears: ClassVar[Mapping[type[m.Message], Callable[[Any, Any], object]]] = {
         m.ConsoleAttached: _attached,
-        m.CueAnswered: _answered,
+        CueAnswered: _answered,
     }

@@ -9,6 +9,15 @@ from dataclasses import dataclass, field
 
 from woz_tui.bus.hub import Hub
 from woz_tui.features.training.cue_plan import APPROACH, LEAVE, PlannedCue
+from woz_tui.features.training.kinds import (
+    MISSED,
+    RIGHT,
+    UNCALLED,
+    VOID,
+    WRONG,
+    CueAnswered,
+    CueGiven,
+)
 from woz_tui.features.training.training_visitor import (
     DRIVER,
     PERIOD_S,
@@ -19,7 +28,6 @@ from woz_tui.protocol import messages as m
 
 #: Whoever does these did not answer anybody.
 _NO_ANSWERS = frozenset({"engagement", "replay", "program"})
-RIGHT, WRONG, MISSED, UNCALLED, VOID = "right", "wrong", "missed", "uncalled", "void"
 
 log = logging.getLogger(__name__)
 
@@ -140,7 +148,7 @@ class Trainer:
             await self._speak(cue.text)
         self._act(cue.sort)
         given = self._hub.publish(
-            m.CueGiven(
+            CueGiven(
                 cue=name,
                 sort=cue.sort,
                 text=cue.text,
@@ -205,7 +213,7 @@ class Trainer:
         if waiting is None:
             if self._running and not self._stopped:
                 self._hub.publish(
-                    m.CueAnswered(cue="", judged=UNCALLED, action=press.action, run=press.run)
+                    CueAnswered(cue="", judged=UNCALLED, action=press.action, run=press.run)
                 )
             return
         right = press.action in waiting.cue.expects
@@ -218,7 +226,7 @@ class Trainer:
             return
         waiting.answered.set()
         self._hub.publish(
-            m.CueAnswered(
+            CueAnswered(
                 cue=waiting.id,
                 judged=judged,
                 action=press.action if press else "",

@@ -8,9 +8,17 @@ from collections.abc import Sequence
 from statistics import median
 
 from woz_tui.features.training.cue_plan import PlannedCue, moves_robot
-from woz_tui.features.training.trainer import MISSED, RIGHT, UNCALLED, WRONG, Trainer
+from woz_tui.features.training.history import TrainingHistory
+from woz_tui.features.training.kinds import (
+    MISSED,
+    RIGHT,
+    UNCALLED,
+    WRONG,
+    CueAnswered,
+    TrainingChanged,
+)
+from woz_tui.features.training.trainer import Trainer
 from woz_tui.features.training.training_visitor import TrainingVisitor
-from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.session_features import FeatureSession
 
@@ -54,7 +62,7 @@ class TrainingCourse:
         if not self._state:
             self._publish("waits")
 
-    def judged(self, answer: m.CueAnswered) -> None:
+    def judged(self, answer: CueAnswered) -> None:
         """Count what the wizard made of a cue."""
         self._verdicts[answer.judged] += 1
         if answer.reaction_us >= 0:
@@ -72,7 +80,7 @@ class TrainingCourse:
 
     @property
     def _state(self) -> str:
-        training = self._session.state.training
+        training = self._session.state.history(TrainingHistory).training
         return training.state if training is not None else ""
 
     def _over(self) -> None:
@@ -81,7 +89,7 @@ class TrainingCourse:
     def _publish(self, state: str) -> None:
         count = self._verdicts
         self._session.hub.publish(
-            m.TrainingChanged(
+            TrainingChanged(
                 state=state,
                 planned=len(self._cues),
                 right=count[RIGHT],

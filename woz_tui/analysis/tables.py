@@ -635,7 +635,7 @@ SETTINGS: TableDefinition[SettingRow] = TableDefinition(
 )
 
 
-# -- answers, trainings, samples ------------------------------------------------------------------
+# -- answers, samples -----------------------------------------------------------------------------
 
 _ROUND: tuple[Column[Any], ...] = (
     *_WHERE,

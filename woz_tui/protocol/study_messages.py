@@ -1,4 +1,4 @@
-"""The experiment around the robot: who gets which condition, trials, questionnaires, training.
+"""The experiment around the robot: who gets which condition, trials, questionnaires.
 
 And what makes a log readable by itself: the experiment's files and what consoles were shown.
 All others import them from `woz_tui.protocol.messages`.

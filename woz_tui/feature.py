@@ -50,13 +50,15 @@ class CommandLine:
     """A command `woz NAME` of a feature.
 
     `module`: inside the feature's package, made like those of `woz_tui.cli`. `behind`: the command
-    behind which `woz --help` lists it; empty: at the end.
+    behind which `woz --help` lists it; empty: at the end. `proposed`: with which options `woz new`
+    proposes it for the file that it has written, and what for; empty: not at all.
     """
 
     name: str
     summary: str
     module: str
     behind: str = ""
+    proposed: tuple[str, str] | tuple[()] = ()
 
 
 class Feature:

@@ -8,7 +8,7 @@ from typing import Any
 
 
 def feature_examples(feature: str, name: str) -> tuple[Any, ...]:
-    """Those called `name` in `tests/features/FEATURE/examples.py`; none where it was taken out."""
+    """Those called `name` in the module `examples` of the feature's tests; none without these."""
     module = f"tests.features.{feature}"
     if find_spec(module) is None:
         return ()

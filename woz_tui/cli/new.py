@@ -27,6 +27,7 @@ from woz_tui.config.new_experiment import PAIR, TEMPLATES, Abilities, abilities_
 from woz_tui.config.robots import SIMULATED
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
+from woz_tui.feature import features
 
 #: Asks a question and returns the answer; raises `EOFError` where nobody answers any more.
 Ask = Callable[[str], str]
@@ -175,7 +176,11 @@ def _print(path: Path, experiment: Experiment, abilities: Abilities) -> None:
     for command, what in (
         (f"woz run {file}", "a session"),
         (f"woz check --keys {file}", "after each edit: what is wrong, and the keys"),
-        (f"woz train {file} --wizard W1", "learn the keys"),
+        *(
+            (f"woz {own.name} {file} {own.proposed[0]}", own.proposed[1])
+            for each in features().values()
+            if (own := each.command) is not None and own.proposed
+        ),
         *(((f"woz design {file}", "who gets which condition"),) if experiment.study.design else ()),
     ):
         print(f"  {command:<{24 + len(file)}}  {what}")

@@ -7,6 +7,7 @@ import pytest
 from tests.features.training.examples import COURSE, CUES
 from woz_tui.features.training.kinds import CueGiven
 from woz_tui.protocol.welcome import StudySettings
+from woz_tui.session import redactor as redaction
 from woz_tui.session.redactor import ParticipantRedactor, PerceptionFilter, Redactor
 
 CUE = CueGiven(cue="q1", sort="question", text="Where am I?", expects=["Map"], window_us=1)
@@ -38,3 +39,13 @@ def test_it_tells_nothing_of_the_condition() -> None:
 
 def test_a_participant_sees_nothing_of_it() -> None:
     assert not any(map(ParticipantRedactor().message, (*CUES, *COURSE)))
+
+
+def test_what_cannot_be_redacted_is_not_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(message: CueGiven, perception: PerceptionFilter) -> CueGiven:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(redaction, "_redactions", lambda: {CueGiven: fails})
+    redactor = Redactor()
+    redactor.perception = PerceptionFilter(["transcript"])
+    assert redactor.message(CUE) is None

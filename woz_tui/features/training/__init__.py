@@ -24,4 +24,5 @@ class Training(Feature):
         "train a wizard: a simulated visitor gives cues, answers are scored",
         module="command",
         behind="demo",
+        proposed=("--wizard W1", "learn the keys"),
     )

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 import logging
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 #: The entry points of features that others have written, `name = "package:Class"`.
 GROUP = "woz_tui.features"
@@ -201,3 +201,16 @@ def pieces(what: str, kind: type[T]) -> dict[str, T]:
             if piece is not None:
                 there[name] = piece
     return there
+
+
+def answer_of(name: str, otherwise: T, call: Callable[..., T], *args: Any) -> T:
+    """What a piece of the feature `name` answers. Where it raises it is named, once, and asked no
+    more in this process: whoever asks gets `otherwise`.
+    """
+    if name in _LEFT_OUT:
+        return otherwise
+    try:
+        return call(*args)
+    except Exception as error:  # noqa: BLE001 - of others: the rest has to go on
+        _leave_out(name, error)
+        return otherwise

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.feature import Feature, features, left_out, pieces
+from woz_tui.feature import Feature, answer_of, features, left_out, pieces
 from woz_tui.gate.table import TABLE, FeatureGate, all_rows
 from woz_tui.protocol.kinds import FeatureKinds, message_kinds, request_kinds
 
@@ -149,3 +149,21 @@ def test_messages_of_features_are_known_and_what_is_open_is_one_of_them(feature:
     assert {*kinds.messages} <= {*message_kinds()}
     assert {*kinds.requests} <= {*request_kinds()}
     assert {*kinds.open} <= {*kinds.messages}
+
+
+def test_a_piece_that_raises_is_named_and_asked_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+
+    def painted(what: str) -> str:
+        asked.append(what)
+        if what == "broken":
+            raise ZeroDivisionError("in a status row")
+        return what
+
+    monkeypatch.setattr("woz_tui.feature._LEFT_OUT", {})
+    assert answer_of("sun", "", painted, "well") == "well"
+    assert answer_of("sun", "", painted, "broken") == ""
+    assert answer_of("sun", "", painted, "well") == ""
+    assert answer_of("moon", "", painted, "well") == "well"
+    assert asked == ["well", "broken", "well"]
+    assert left_out() == {"sun": "ZeroDivisionError: in a status row"}

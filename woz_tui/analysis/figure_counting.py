@@ -27,7 +27,7 @@ from woz_tui.analysis.figures import (
 )
 from woz_tui.analysis.participants import counts_in_means, taking_part
 from woz_tui.analysis.tables import wall_time
-from woz_tui.feature import pieces
+from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.timeline import Timeline
@@ -80,7 +80,7 @@ def figures_of(
     features = {
         name: counted_by
         for name, each in kinds.items()
-        if (counted_by := each.count(timeline)) is not None
+        if (counted_by := answer_of(name, None, each.count, timeline)) is not None
     }
     rerun_of = next((each.label for each in reversed(timeline.of(e.RerunEpisode))), "")
     nobody = rerun_of or any(each.apart and name in features for name, each in kinds.items())

@@ -37,7 +37,7 @@ from woz_tui.console.widgets.feature_console import FeatureConsole
 from woz_tui.console.widgets.main_screen import MainScreen
 from woz_tui.console.widgets.meters import turned_away
 from woz_tui.console.widgets.status_rows import StatusInfo
-from woz_tui.feature import pieces
+from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol.camera_pictures import PictureShown
 from woz_tui.protocol.messages import (
     ConsoleAttached,
@@ -261,7 +261,9 @@ class Console(ScreenApp):
     def _open_offered(self) -> None:
         """Open what features offer at this moment, each once."""
         for name, console in pieces("console", FeatureConsole).items():
-            offer = console.offers(self.state) if console.offers is not None else None
+            offer = None
+            if console.offers is not None:
+                offer = answer_of(name, None, console.offers, self.state)
             about = offer.about if offer is not None else None
             if about != self._offered.get(name):
                 self._offered[name] = about

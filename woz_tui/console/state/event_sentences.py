@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any, Protocol
 
 from woz_tui.config.performers import ENGAGEMENT
@@ -20,7 +20,7 @@ from woz_tui.console.state.stop_confirmation import missing_words
 from woz_tui.console.state.study import StudyView
 from woz_tui.console.state.study_sentences import event_text
 from woz_tui.console.state.view_models import DriverView
-from woz_tui.feature import pieces
+from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView
 from woz_tui.timeline.session_state import SessionState
@@ -516,8 +516,8 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
 @cache
 def _sentences() -> dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]]:
     sentences = dict(SENTENCES)
-    for each in pieces("sentences", dict).values():
-        sentences |= each
+    for name, each in pieces("sentences", dict).items():
+        sentences |= {kind: partial(answer_of, name, None, say) for kind, say in each.items()}
     return sentences
 
 

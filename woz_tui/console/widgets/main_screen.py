@@ -8,7 +8,7 @@ Bodies stand with the meters: beside them where it is narrow, under them elsewhe
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -28,7 +28,7 @@ from woz_tui.console.widgets.event_list import EventList
 from woz_tui.console.widgets.feature_console import Board, FeatureConsole
 from woz_tui.console.widgets.meters import Meters
 from woz_tui.console.widgets.status_rows import StatusInfo, StatusLines
-from woz_tui.feature import pieces
+from woz_tui.feature import answer_of, pieces
 
 #: From this width on meters and events stand beside the panels, in cells.
 WIDE = 120
@@ -138,20 +138,21 @@ class MainArea(Container):
 class FeatureBoard(Cells):
     """What a feature shows above the panels, while it shows anything there."""
 
-    def __init__(self, board: Board) -> None:
+    def __init__(self, feature: str, board: Board) -> None:
         super().__init__()
-        self._board = board
+        self._feature, self._board = feature, board
 
     def measure(self, lines: int, state: ConsoleState) -> int:
         """Take the lines that it needs on a screen of so many; how many these are."""
-        needed = self._board.lines(state, lines)
+        needed = answer_of(self._feature, 0, self._board.lines, state, lines)
         self.display = needed > 0
         self.styles.height = needed or 1
         return needed
 
     def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
         """Show it, in the middle."""
-        rows = self._board.rows(state, frame)
+        nothing: Sequence[Row] = ()
+        rows = answer_of(self._feature, nothing, self._board.rows, state, frame)
         above: list[Row] = [()] * max(0, (frame.height - len(rows)) // 2)
         self.show([*above, *rows])
 
@@ -164,8 +165,11 @@ class MainScreen:
 
     def __init__(self, bar: StopBar | None = None) -> None:
         self.status = StatusLines()
-        consoles = pieces("console", FeatureConsole).values()
-        self.boards = [FeatureBoard(each.board) for each in consoles if each.board is not None]
+        self.boards = [
+            FeatureBoard(name, each.board)
+            for name, each in pieces("console", FeatureConsole).items()
+            if each.board is not None
+        ]
         self.panels = ActionPanels()
         self.meters = Meters()
         self.bodies = BodyPane()

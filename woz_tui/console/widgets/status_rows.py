@@ -26,7 +26,7 @@ from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.replay import wall_time
 from woz_tui.console.state.view_models import DriverView
 from woz_tui.console.widgets.feature_console import FeatureConsole
-from woz_tui.feature import pieces
+from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol.panel_players import part_names
 from woz_tui.system.text_cleaning import elapsed
 
@@ -68,9 +68,9 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
         *(("  ", "plain"), *_recorder(state, frame)),
         *(("  ", "plain"), *_line(state, line, frame)),
     )
-    for each in pieces("console", FeatureConsole).values():
+    for name, each in pieces("console", FeatureConsole).items():
         if each.status is not None:
-            vitals = (*each.status(state, frame), *vitals)
+            vitals = (*answer_of(name, (), each.status, state, frame), *vitals)
     failures = (
         *_seers(state),
         *_why(state, line.drivers),

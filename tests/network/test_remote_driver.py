@@ -98,22 +98,15 @@ class TestServedRobot(DriverTests):
 
     @contextlib.asynccontextmanager
     async def device(self) -> AsyncIterator[Device]:
-        loop, cable = asyncio.get_running_loop(), Cable(RemoteRobot.port, 0.25)
+        cable = Cable(RemoteRobot.port, 0.25)
         await cable.lay()
         words = [sys.executable, "-m", "tests.network.other_program", str(cable.own_port)]
-        tasks: list[asyncio.Task[None]] = []
         say = PlainJob("say", {"text": "a long sentence " * 50})
         with subprocess.Popen(words, cwd=ROOT) as process:  # noqa: ASYNC220 - for a moment only
             try:
-                yield Device(
-                    self.settings,
-                    unplug=lambda: tasks.append(loop.create_task(cable.cut())),
-                    plug=lambda: tasks.append(loop.create_task(cable.lay())),
-                    command=say,
-                )
+                yield Device(self.settings, cable.cut, cable.lay, say)
             finally:
                 process.kill()
-                await asyncio.gather(*tasks, return_exceptions=True)
                 await cable.cut()
 
 

@@ -23,7 +23,7 @@ from tests.testing.cart import (
 )
 from woz_tui.drivers.contract import DeviceLostError, Health, Job, Scope
 from woz_tui.protocol.messages import Json
-from woz_tui.testing import Device, contract_checks
+from woz_tui.testing import Device, PlainJob, contract_checks
 
 __all__ = ["TestCart"]
 
@@ -317,6 +317,27 @@ def test_what_a_device_cannot_show_is_skipped_by_name() -> None:
             shown_by(Mute())
     with pytest.raises(AssertionError, match="facts: say that 'stop' was shown"):
         Mute().test_shows_what_its_facts_claim()
+
+
+def test_a_device_may_be_unplugged_and_plugged_in_by_coroutines() -> None:
+    class Slow(TestCart):
+        @contextlib.asynccontextmanager
+        async def device(self) -> AsyncIterator[Device]:
+            cart = SimulatedCart()
+
+            async def pull() -> None:
+                await asyncio.sleep(0)
+                cart.pull()
+
+            async def plug() -> None:
+                await asyncio.sleep(0)
+                cart.plug()
+
+            drive = PlainJob("drive", {"x": 4.0, "turn": 90.0})
+            yield Device(CartSettings(cart), pull, plug, drive, cart.stands.is_set)
+
+    LOSS(Slow())
+    RETURN(Slow())
 
 
 def test_a_device_that_never_moves_cannot_show_a_stop(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -341,7 +341,7 @@ async def returns(driver_class: type[Driver], device: Devices) -> list[Finding]:
             if not await life.unplugged(there):
                 return life.findings
             moving = not await there.stands_still()
-            there.plug()
+            await answer(there.plug)
             if not await life.healthy(Health.CONNECTED):
                 life.wrong("a device that is back", f"is not CONNECTED after {NOTICE_S:g} s")
                 return life.findings
@@ -480,7 +480,7 @@ class _Life:
         """Pull the cable in the middle of a command; False if the driver does not notice."""
         await self.connected()
         running = await self.begins(there.command, "perform") if there.command else None
-        there.unplug()
+        await answer(there.unplug)
         if running is not None:
             await asyncio.wait([running], timeout=NOTICE_S)
             if not running.done():

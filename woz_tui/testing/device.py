@@ -23,7 +23,8 @@ _NEEDS = {
 class Device:
     """A stand-in for the hardware, at the other end of the driver's wire.
 
-    Only `settings` and `unplug` are necessary; each of the others shows something more.
+    Only `settings` and `unplug` are necessary; each of the others shows something more. All but
+    `settings` and `command` may be coroutines.
 
     Attributes:
         settings: With which the driver finds it.
@@ -36,7 +37,7 @@ class Device:
         expected: None: the numbers among the command's arguments, joints by their names.
         senses: Has it sense something, and gives the readings that must come of it, by sensor, in
             the units of the contract. Called again until they have come.
-        fail: Has it answer the next command with an error. This and the others may be coroutines.
+        fail: Has it answer the next command with an error.
     """
 
     settings: Any

@@ -44,8 +44,8 @@ class TestTheContract(DriverTests):
 
             yield Device(
                 ReachyMiniSettings(robot.address, voice=VOICE),
-                unplug=lambda: asyncio.ensure_future(robot.close()),
-                plug=lambda: asyncio.ensure_future(robot.start()),
+                unplug=robot.close,
+                plug=robot.start,
                 command=PlainJob("pose", {"joints": {"pan": 60.0}, "seconds": 60.0}),
                 still=still,
                 senses=hear,

@@ -105,7 +105,9 @@ class RobotPart(Generic[L, S]):
         """
 
     async def halt(self, scope: Scope) -> Pending:
-        """The stop, there: send what ends it; returns what has to come before it has ended."""
+        """The stop, there: send what ends it; returns what has to come before it has ended, an
+        empty list if nothing has to.
+        """
         return None
 
     def resume(self) -> None:
@@ -132,7 +134,11 @@ class RobotPart(Generic[L, S]):
 
 
 class RobotOfParts(Driver, Generic[LinkT, S]):
-    """The driver; a robot's own says of what parts it is made, and makes them with its link."""
+    """The driver; a robot's own says of what parts it is made, and makes them with its link.
+
+    The link awaits `_connected` each time that the robot is there, and calls `_lost` each time that
+    it is gone.
+    """
 
     PARTS: ClassVar[tuple[type[RobotPart[Any, Any]], ...]]
     #: In a sentence: a Furhat.

@@ -89,7 +89,9 @@ print("left out", sorted(left_out()))
 """
 
 
-def test_a_feature_that_fails_is_named_and_the_session_goes_on(tmp_path: Path) -> None:
+@pytest.fixture
+def environment(tmp_path: Path) -> dict[str, str]:
+    """One in which the features of somebody else are installed."""
     site = tmp_path / "site"
     (site / "strangers").mkdir(parents=True)
     (site / "strangers" / "__init__.py").write_text(STRANGERS)
@@ -102,7 +104,12 @@ def test_a_feature_that_fails_is_named_and_the_session_goes_on(tmp_path: Path) -
         "no = strangers:NoFeature",
     )
     (info / "entry_points.txt").write_text("\n".join(("[woz_tui.features]", *points)) + "\n")
-    environment = os.environ | {"PYTHONPATH": str(site)}
+    return os.environ | {"PYTHONPATH": str(site)}
+
+
+def test_a_feature_that_fails_is_named_and_the_session_goes_on(
+    tmp_path: Path, environment: dict[str, str]
+) -> None:
     done = subprocess.run(
         [sys.executable, "-c", SESSION, str(tmp_path)],
         capture_output=True,
@@ -121,6 +128,18 @@ def test_a_feature_that_fails_is_named_and_the_session_goes_on(tmp_path: Path) -
     assert told[3].startswith("ended")
     assert "absent" in told[4]
     assert "strangers:NoFeature" in told[4]
+
+
+def test_a_row_of_which_no_moment_is_known_is_one_that_only_a_session_knows(
+    environment: dict[str, str],
+) -> None:
+    words = [sys.executable, "-m", "woz_tui", "check", "experiments/demo.yaml", "--why", "h"]
+    told = subprocess.run(
+        words, capture_output=True, text=True, timeout=100, env=environment, cwd=ROOT, check=True
+    ).stdout
+    [last] = [line for line in told.splitlines() if line.startswith("only a session knows:")]
+    assert "moon" in last.split(": ")[1].split(", ")
+    assert "profile" not in last
 
 
 def test_none_of_ours_is_left_out_and_each_piece_is_what_its_room_uses() -> None:

@@ -49,7 +49,7 @@ def show(experiment: Experiment, key: str, *, as_json: bool) -> int:
         (heading, [(each, why_not(each.facts, question)) for each, question in questions])
         for heading, questions in found
     ]
-    unknown = _rows_of_the_host()
+    unknown = _rows_not_looked_at()
     if as_json:
         plain = [
             {"what": heading, "answers": [_plain(moment.when, why) for moment, why in told]}
@@ -141,7 +141,20 @@ def _plain(when: str, refusal: Refusal | None) -> Json:
     }
 
 
-def _rows_of_the_host() -> list[str]:
-    """Names of the rows that are left out here, of what is pressed and of its commands."""
+def _rows_not_looked_at() -> list[str]:
+    """Names of the rows that are left out here, of what is pressed and of its commands: those of
+    the host, and those of features that tell no moments.
+    """
     about = {PlayAction, SendVerb, SubmitCommand, DispatchCommand}
-    return [*dict.fromkeys(row.name for row in all_rows() if row.host and about & {*row.about})]
+    telling = {
+        name
+        for name, section in pieces("section", FeatureSection).items()
+        if type(section).moments is not FeatureSection.moments
+    }
+    return [
+        *dict.fromkeys(
+            row.name
+            for row in all_rows()
+            if about & {*row.about} and (row.host or (row.feature and row.feature not in telling))
+        )
+    ]

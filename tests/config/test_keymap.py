@@ -219,6 +219,16 @@ def test_when_no_key_is_left_it_is_said() -> None:
     assert all(entry.why for entry in without)
 
 
+def test_a_key_of_the_console_that_another_one_has_is_said_to_be_lost() -> None:
+    stranger = keys.BuiltinKey("strangers", "+", "count the strangers")
+    found = key_map((), PLAIN, "us", (*BUILTIN_KEYS, stranger))
+    assert found.builtins["strangers"].press == ""
+    owner = next(item.description for item in BUILTIN_KEYS if item.chord == "+")
+    assert found.warnings == (
+        f"no key is left for 'count the strangers' (+: + already plays {owner!r})",
+    )
+
+
 @pytest.mark.parametrize("layout", sorted(keys.LAYOUTS))
 @pytest.mark.parametrize("terminal", keys.TERMINALS.values(), ids=lambda terminal: terminal.name)
 def test_every_key_of_the_console_has_a_place_everywhere(

@@ -131,17 +131,16 @@ class _Assignment:
             if item.id not in self._builtins:
                 self._why[item.id] = self._why.get(item.id) or f"{item.chord} is taken"
                 candidates = (item.chord, *item.reserves) if item.last else item.reserves
-                self._builtins[item.id] = self._reserve(
-                    item.id, item.chord, item.description, candidates
-                )
+                given = self._reserve(item.id, item.chord, item.description, candidates)
+                self._builtins[item.id] = given
+                if not given.press and not item.yields:
+                    self._no_key(item.description, given)
         for action in keyed.values():
             if action.name not in self._actions:
                 given = self._reserve(action.name, action.key, action.label, _candidates(action))
                 self._actions[action.name] = given
                 if not given.press:
-                    self._warnings.append(
-                        f"no key is left for {action.label!r} ({action.key}: {given.why})"
-                    )
+                    self._no_key(action.label, given)
         for action in actions:
             self._actions.setdefault(action.name, AssignedKey(action.name, "", ""))
         return self._result(actions)
@@ -182,7 +181,7 @@ class _Assignment:
             found = deliver(chord, self._terminal, self._layout)
             stops = found.verdict is KeyOutcome.STOP and not item.movable
             if not stops and not self._free(found):
-                self._why[item.id] = found.why
+                self._why[item.id] = found.why or self._taken(found.arrives)
                 continue
             if not stops:
                 self._own(found.arrives, item.description)
@@ -207,6 +206,9 @@ class _Assignment:
         self._actions[action.name] = AssignedKey(
             action.name, action.key, action.key, found.arrives, found.data, why=found.why
         )
+
+    def _no_key(self, owner: str, given: AssignedKey) -> None:
+        self._warnings.append(f"no key is left for {owner!r} ({given.wanted}: {given.why})")
 
     def _free(self, found: KeyDelivery) -> bool:
         return found.verdict is KeyOutcome.ARRIVES and not self._taken(found.arrives)

@@ -79,7 +79,10 @@ def test_every_field_appears_in_a_golden_line() -> None:
             names_console = getattr(kind, "names_console", False) or kind is Command
             optional |= _CONSOLE if names_console and tag != "marker" else set()
             missing = set(kind.__struct_encode_fields__) - seen - optional
-            assert not missing, f"{name}: no line of kind {tag} shows {missing}"
+            assert not missing, (
+                f"{name}: no line of kind {tag} shows {missing}: fill them in its example in"
+                " tests/protocol/examples.py, then `make generated`"
+            )
 
 
 #: Fields that stay away from a golden line on purpose.
@@ -138,10 +141,11 @@ def test_the_document_shows_every_request_and_every_answer() -> None:
     shown = {
         (arrow, codec.decode_unknown(line.encode())["kind"]) for arrow, line in document_lines()
     }
-    for kind in values.REQUESTS:
-        assert ("->", kind.__struct_config__.tag) in shown
-    for kind in values.ANSWERS:
-        assert ("<-", kind.__struct_config__.tag) in shown
+    wanted = {("->", kind.__struct_config__.tag) for kind in values.REQUESTS}
+    wanted |= {("<-", kind.__struct_config__.tag) for kind in values.ANSWERS}
+    assert wanted <= shown, (
+        f"docs/reference/protocol.md has no line of {sorted(map(str, wanted - shown))}"
+    )
 
 
 def test_the_document_names_every_kind_of_message() -> None:

@@ -1,7 +1,10 @@
-"""docs/explanation/overview.md: a key press really takes the hops that the page names."""
+"""docs/explanation/overview.md: a key press really takes the hops that the page names, and what it
+says to read can be read in an afternoon.
+"""
 
 from __future__ import annotations
 
+import ast
 import asyncio
 import re
 import sys
@@ -14,7 +17,7 @@ from types import FrameType
 import pytest
 
 from tests.host.rig import served_session
-from tools import DOCS
+from tools import DOCS, ROOT
 from woz_tui.console.input.byte_scanner import Scanner
 from woz_tui.console.input.escape_sequences import Key
 from woz_tui.console.input.keyboard import Keyboard
@@ -29,6 +32,53 @@ OUTSIDE = {"WizardDriver", "Speech", "LaneJob", "Console", "ConsoleState", "Sess
 OUTSIDE |= {"MainScreen"}
 #: Named where they are explained, not at their turn: every message goes through them.
 ALWAYS = {"Hub.publish", "Recorder.record", "Subscription.offer"}
+#: Rooms of the core. Features and drivers are walked through as examples.
+CORE = {"bus", "console", "gate", "host", "log", "protocol", "session", "timeline"}
+#: Of these rooms, what the walks show of the engagement model, and a part of the screen.
+EXAMPLES = {
+    "session/engagement_control.py",
+    "session/state_effects.py",
+    "console/widgets/meters.py",
+}
+#: Lines that are read in an afternoon.
+AFTERNOON = 6_000
+
+
+def to_read() -> dict[str, list[str]]:
+    """Files of woz_tui in the page's order, each with what is to be read of it; nothing: all."""
+    section = PAGE.partition("## An afternoon")[2].partition("## One key press")[0]
+    rows = re.findall(r"^\| \[([\w/.]+)\]\(\S+\) \| (.*?) \|", section, re.MULTILINE)
+    return {file: re.findall(r"`([\w.]+)`", read) for file, read in rows}
+
+
+def lines_of(file: str, names: list[str]) -> int:
+    """How many lines these functions, methods and classes have; without names the whole file."""
+    source = (ROOT / "woz_tui" / file).read_text(encoding="utf-8")
+    if not names:
+        return len(source.splitlines())
+    found: dict[str, int] = {}
+    for node in ast.parse(source).body:
+        inner = node.body if isinstance(node, ast.ClassDef) else []
+        for each in (node, *inner):
+            if isinstance(each, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+                name = each.name if each is node else f"{getattr(node, 'name', '')}.{each.name}"
+                found[name] = (each.end_lineno or 0) - each.lineno + 1
+    missing = [name for name in names if name not in found]
+    assert not missing, f"{file} has no {missing} any more: say on the page what to read instead"
+    return sum(found[name] for name in names)
+
+
+def test_what_is_to_be_read_takes_an_afternoon() -> None:
+    lines = {file: lines_of(file, names) for file, names in to_read().items()}
+    assert len(lines) > 20
+    assert sum(lines.values()) <= AFTERNOON, lines
+
+
+def test_every_file_of_the_core_on_the_way_is_to_be_read() -> None:
+    walks = PAGE.partition("## One key press")[2].partition("## Five rules")[0]
+    named = set(re.findall(r"\(\.\./\.\./woz_tui/([\w/]+\.py)", walks))
+    of_core = {file for file in named if file.split("/")[0] in CORE} - EXAMPLES
+    assert of_core <= set(to_read())
 
 
 def hops() -> list[str]:

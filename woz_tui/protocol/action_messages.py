@@ -214,7 +214,8 @@ class TimedOut(End, frozen=True, kw_only=True, tag="command.timed_out"):
 class Refused(End, frozen=True, kw_only=True, tag="command.refused"):
     """It never began: `code` is stopped, ended, late, stale, profile, locked, full, busy, faulted,
     unknown, unwatched, unrecorded (no folder takes the log), part (another wizard plays it),
-    consent (nobody has given one), args or unchecked (a check of the program itself failed).
+    consent (nobody has given one), args or unchecked (a check of the program itself failed);
+    or a word of a feature.
     """
 
     code: str

@@ -17,6 +17,8 @@ import pytest
 
 from tests.protocol import examples, values
 from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 from woz_tui.protocol.messages import ActionDone, Command
 from woz_tui.protocol.requests import PROTOCOL as PROTOCOL_VERSION
 from woz_tui.protocol.requests import AskAction, Hello
@@ -137,22 +139,20 @@ def test_every_example_in_the_protocols_document_decodes() -> None:
         assert isinstance(decoded, msgspec.Struct), line
 
 
-def test_the_document_shows_every_request_and_every_answer() -> None:
+def test_the_document_shows_every_request_and_every_answer_of_the_core() -> None:
     shown = {
         (arrow, codec.decode_unknown(line.encode())["kind"]) for arrow, line in document_lines()
     }
-    wanted = {("->", kind.__struct_config__.tag) for kind in values.REQUESTS}
-    wanted |= {("<-", kind.__struct_config__.tag) for kind in values.ANSWERS}
+    wanted = {("->", kind.__struct_config__.tag) for kind in r.REQUESTS}
+    wanted |= {("<-", kind.__struct_config__.tag) for kind in r.ANSWERS}
     assert wanted <= shown, (
         f"docs/reference/protocol.md has no line of {sorted(map(str, wanted - shown))}"
     )
 
 
-def test_the_document_names_every_kind_of_message() -> None:
+def test_the_document_names_every_kind_of_message_of_the_core() -> None:
     text = PROTOCOL.read_text()
-    unnamed = [
-        tag for kind in values.MESSAGES if f"`{(tag := kind.__struct_config__.tag)}`" not in text
-    ]
+    unnamed = [tag for kind in m.MESSAGES if f"`{(tag := kind.__struct_config__.tag)}`" not in text]
     assert not unnamed, "name it in docs/reference/protocol.md, The stream"
 
 

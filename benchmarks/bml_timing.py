@@ -19,6 +19,7 @@ from benchmarks.figures import Spread, machine, table
 from benchmarks.round_trips import program
 from benchmarks.sessions import ROOT, Bench, bench
 from woz_tui.client import WozClient, connect
+from woz_tui.features.blocks.kinds import BlockPlanned
 from woz_tui.protocol import messages as m
 
 ROBOTS = {"simulated": "the simulated robot", "eyepi": "EyePi without hardware"}
@@ -59,7 +60,7 @@ async def played(client: WozClient, text: str, late: Late) -> None:
 
     async for message in stream:
         match message:
-            case m.BlockPlanned(begin=begin):
+            case BlockPlanned(begin=begin):
                 if message.problems:
                     raise RuntimeError(message.problems[0].text)
                 for behaviour in message.behaviours:

@@ -19,8 +19,8 @@ from benchmarks.figures import Spread, machine, table
 from benchmarks.round_trips import program
 from benchmarks.sessions import ROOT, bench
 from tests.fakes.stomp_broker import StompBroker
-from woz_tui.bml.ros_data import read_data, write_data
-from woz_tui.bml.stomp_connection import StompConnection, StompPlace, connect_stomp
+from woz_tui.bridge.ros_data import read_data, write_data
+from woz_tui.bridge.stomp_connection import StompConnection, StompPlace, connect_stomp
 
 PREFIX = "/topic/ramsocialrobot_ram."
 SEQUENCE, ECHO = f"{PREFIX}animation.hmmm.sequence", f"{PREFIX}echo"

@@ -29,7 +29,6 @@ ROOMS = [
     "woz_tui.machine",
     "woz_tui.network",
     "woz_tui.config",
-    "woz_tui.bml",
     "woz_tui.bridge",
     "woz_tui.gate",
     "woz_tui.bus",
@@ -73,7 +72,7 @@ UNLOADED = [
         "woz_tui.console.app",
         {
             *("numpy", "serial", "dynamixel_sdk", "woz_drivers", "woz_tui.host", "woz_tui.bus"),
-            *("woz_tui.config.experiment", "woz_tui.session.action_runner", "woz_tui.bml"),
+            *("woz_tui.config.experiment", "woz_tui.session.action_runner"),
             *("woz_tui.drivers.contract", "yaml", "xml"),
         },
     ),

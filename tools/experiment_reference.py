@@ -14,11 +14,11 @@ import yaml
 from tools import EXPERIMENTS
 from tools.driver_settings import bundled
 from woz_tui.config.actions import ACTION_FIELDS
-from woz_tui.config.bml_section import KEYS, TOPICS, TOPICS_WORDS
 from woz_tui.config.engagement_section import ENTERED
 from woz_tui.config.engagement_words import SIGNS
 from woz_tui.config.json_schema import experiment_schema
-from woz_tui.config.session_verbs import BML_VERB, WAIT, session_verbs
+from woz_tui.config.session_verbs import WAIT, session_verbs
+from woz_tui.features.blocks.section import BML_VERB, KEYS, TOPICS, TOPICS_WORDS
 
 #: Whose examples come first: what is read most.
 FIRST = ("interview.yaml", "study.yaml", "demo.yaml", "guide.yaml")

@@ -11,7 +11,12 @@ import msgspec
 from tools.log_reference import json_type
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.protocol.description import Description, Prediction
-from woz_tui.protocol.kinds import answer_kinds, message_kinds, request_kinds
+from woz_tui.protocol.kinds import (
+    answer_kinds,
+    message_kinds,
+    prediction_kinds,
+    request_kinds,
+)
 from woz_tui.protocol.requests import PROTOCOL, Request
 
 _COMMON = tuple(field.name for field in msgspec.structs.fields(Request))
@@ -32,7 +37,7 @@ def schema() -> dict[str, Any]:
     """JSON Schema: `Request`, `Answer` and `Message` are what a line can be."""
     kinds = {"Request": request_kinds(), "Answer": answer_kinds(), "Message": message_kinds()}
     lines = {name: Union[each] for name, each in kinds.items()}  # noqa: UP007 - of a tuple
-    data = (Description, Prediction)
+    data = _data()
     found, definitions = msgspec.json.schema_components(
         (*lines.values(), *data), ref_template="#/$defs/{name}"
     )
@@ -57,9 +62,14 @@ def page() -> str:
         *map(_section, answer_kinds()),
         "## Data of replies\n",
         "What stands in `data` of the replies to `describe` and `predict`.\n",
-        *(_section(each) for each in _nested((Description, Prediction))),
+        *map(_section, dict.fromkeys(_nested(_data()))),
     ]
     return "\n".join(parts)
+
+
+def _data() -> tuple[type[msgspec.Struct], ...]:
+    """What stands in `data` of replies."""
+    return Description, Prediction, *prediction_kinds().values()
 
 
 def _nested(kinds: Iterable[type[msgspec.Struct]]) -> Iterable[type[msgspec.Struct]]:

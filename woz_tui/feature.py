@@ -46,6 +46,22 @@ class StartOption:
 
 
 @dataclass(frozen=True, slots=True)
+class PerformerName:
+    """Who carries out a feature's verbs in a session, beside the drivers.
+
+    Attributes:
+        name: How calls of these verbs are addressed; no driver may have it.
+        who: Who that is, in words.
+        composes: What is carried out consists of commands of drivers, each of which is asked of the
+            gate, recorded, stopped and shown by itself.
+    """
+
+    name: str
+    who: str
+    composes: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class CommandLine:
     """A command `woz NAME` of a feature.
 
@@ -73,10 +89,13 @@ class Feature:
             protocol and msgspec alone.
         section: A `config.feature_section.FeatureSection`: its keys of the experiment file.
         words: Its section of the language files (`config.languages`).
+        robot_keys: Keys of robot files that its section reads.
         keys: A file with its keys of the console, made like `config/keys/builtin_keys.json`.
         sentences: What the console's list of events says of its messages, made like
             `console.state.event_sentences.SENTENCES`.
         notes: A subclass of `console.state.feature_notes.FeatureNotes`: what a screen keeps of it.
+        command_words: What the console calls commands, where their verb is not enough: a mapping
+            from who carries them out to a function of their arguments.
         console: A `console.widgets.feature_console.FeatureConsole`: what it has on the screen.
         gate: A `gate.table.FeatureGate`: what it forbids.
         session: A subclass of `session.session_features.SessionFeature`: what it does in a session.
@@ -90,6 +109,8 @@ class Feature:
         report: An `analysis.feature_report.FeatureReport`: its tables in reports and exports.
         session_kind: A `host.session_kind.SessionKind`: a kind of session without a participant.
         start: An option with which a session can begin.
+        performer: Who carries out the verbs of its section; its piece `session` is a
+            `session.session_features.PerformingFeature` then.
         command: A command of `woz`.
     """
 
@@ -97,9 +118,11 @@ class Feature:
     kinds: ClassVar[str] = ""
     section: ClassVar[str] = ""
     words: ClassVar[str] = ""
+    robot_keys: ClassVar[tuple[str, ...]] = ()
     keys: ClassVar[str] = ""
     sentences: ClassVar[str] = ""
     notes: ClassVar[str] = ""
+    command_words: ClassVar[str] = ""
     console: ClassVar[str] = ""
     gate: ClassVar[str] = ""
     session: ClassVar[str] = ""
@@ -112,6 +135,7 @@ class Feature:
     report: ClassVar[str] = ""
     session_kind: ClassVar[str] = ""
     start: ClassVar[StartOption | None] = None
+    performer: ClassVar[PerformerName | None] = None
     command: ClassVar[CommandLine | None] = None
 
     def file(self, name: str) -> Path | None:

@@ -21,7 +21,7 @@ from woz_tui.analysis.figures import ENDS, PartFigures, SessionFigures
 from woz_tui.analysis.html import timeline_items
 from woz_tui.analysis.participants import condition_text
 from woz_tui.analysis.timeline_lanes import drawing_of
-from woz_tui.config.performers import PERFORMERS
+from woz_tui.config.performers import performers
 from woz_tui.export.event_extraction import EventExtractor
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.tiers import TierSpan, tiers_of
@@ -225,7 +225,7 @@ def check_actions(session_tables: Tables) -> None:
     direct = [
         row
         for row in session_tables.events("command")
-        if not row["run"] and row["driver"] not in PERFORMERS and row["verb"] != "control"
+        if not row["run"] and row["driver"] not in performers() and row["verb"] != "control"
     ]
     assert from_to(direct) == session_tables.lane("(improvised)")
     assert row_counts(direct, *PART) == by_part(session_tables, lambda p: {(): p.direct})

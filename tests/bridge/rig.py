@@ -14,13 +14,13 @@ from woz_drivers.simulated import SimulatedRobot
 from tests.drivers.body.rig import SteppedBody
 from tests.fakes.stomp_broker import StompBroker
 from tests.host.rig import ServedSession, served_session
-from woz_tui.bml.ros_data import RosValue, read_data, write_data
-from woz_tui.bml.stomp_connection import StompPlace
+from woz_tui.bridge.ros_data import RosValue, read_data, write_data
 from woz_tui.bridge.stomp_bridge import StompBridge
+from woz_tui.bridge.stomp_connection import StompPlace
+from woz_tui.bridge.topic_table import TopicTable, load_table
 from woz_tui.client import connect
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
-from woz_tui.config.topic_table import TopicTable, load_table
 from woz_tui.drivers.contract import Driver
 from woz_tui.protocol import messages as m
 from woz_tui.system.tasks import until_first_ends

@@ -11,7 +11,7 @@ from xml.etree import ElementTree as Xml
 import pytest
 
 from tests.bridge.rig import GENERAL, PATIENCE_S, PREDICTION, SEQUENCE, bridged
-from woz_tui.bml.ros_data import RosValue
+from woz_tui.bridge.ros_data import RosValue
 from woz_tui.features.profiles.in_session import ProfileInUse
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.bml.ros_data import (
+from woz_tui.bridge.ros_data import (
     RosDataError,
     RosTime,
     RosType,

@@ -17,7 +17,7 @@ from woz_tui.bridge.sequence_queue import (
     SequenceQueue,
     SequenceRequest,
 )
-from woz_tui.config.topic_table import MIDDLE, SalientPlace
+from woz_tui.bridge.topic_table import MIDDLE, SalientPlace
 
 GAZE, SHIFT = SalientPlace(0.5, 0.5, 10000), SalientPlace(-0.5, 0.0, 1000)
 

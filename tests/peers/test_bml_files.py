@@ -20,15 +20,21 @@ import pytest
 from tests.host.rig import served_session
 from tests.peers.places import place
 from tests.peers.test_stomp_broker import Broker, free_ports
-from woz_tui.bml.bml_block import NAMESPACE, SYNC_POINTS, BmlError, BmlWarning, read_block
-from woz_tui.bml.bml_schedule import BlockSchedule, schedule
-from woz_tui.bml.stomp_connection import StompConnection, StompPlace, connect_stomp
-from woz_tui.bml.stomp_planner import PlannerTopics, StompPlanner
+from woz_tui.bridge.stomp_connection import StompConnection, StompPlace, connect_stomp
 from woz_tui.client import connect
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver
 from woz_tui.drivers.plugins import installed
+from woz_tui.features.blocks.bml_block import (
+    NAMESPACE,
+    SYNC_POINTS,
+    BmlError,
+    BmlWarning,
+    read_block,
+)
+from woz_tui.features.blocks.bml_schedule import BlockSchedule, schedule
+from woz_tui.features.blocks.stomp_planner import PlannerTopics, StompPlanner
 from woz_tui.testing import until
 
 pytestmark = pytest.mark.peers

@@ -15,20 +15,20 @@ from pathlib import Path
 
 import pytest
 
-from tests.bml.test_stomp_planner import BLOCK, TOPICS
 from tests.bridge.rig import CATALOGUE, GENERAL, PREFIX, SEQUENCE, eyepi
+from tests.features.blocks.test_stomp_planner import BLOCK, TOPICS
 from tests.host.rig import served_session
 from tests.peers.places import place
-from woz_tui.bml.ros_data import RosValue, read_data, write_data
-from woz_tui.bml.stomp_connection import (
+from woz_tui.bridge.ros_data import RosValue, read_data, write_data
+from woz_tui.bridge.stomp_bridge import StompBridge
+from woz_tui.bridge.stomp_connection import (
     StompError,
     StompPlace,
     StompRefusedError,
     connect_stomp,
 )
-from woz_tui.bml.stomp_planner import StompPlanner
-from woz_tui.bridge.stomp_bridge import StompBridge
 from woz_tui.client import connect
+from woz_tui.features.blocks.stomp_planner import StompPlanner
 from woz_tui.system.tasks import end_tasks
 from woz_tui.testing import until
 

@@ -15,6 +15,7 @@ import msgspec
 
 from tests.protocol.feature_examples import feature_examples
 from tests.protocol.study_examples import BEGINNING, COURSE, FILE_SHA
+from woz_tui.features.blocks.kinds import BlockPlanned, BlockProblem, BlockTrouble, PlannedBehaviour
 from woz_tui.features.profiles.kinds import AskProfile, ProfileChanged
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -297,25 +298,25 @@ MESSAGES: tuple[m.Message, ...] = (
     m.AddressedChanged(driver="eye", face=2, chosen="hand"),
     m.ListenerJoined(console="con3", driver="ears"),
     m.ListenerLeft(console="con3", driver="ears", duration_us=12_300_000, lost_us=40_000),
-    m.BlockPlanned(
+    BlockPlanned(
         command="c00019",
         driver="bml",
         block="bml1",
         begin=80_000_000,
         duration_us=2_500_000,
         behaviours=[
-            m.PlannedBehaviour(
+            PlannedBehaviour(
                 id="n1", sort="head", does="play nod", points={"start": 0, "end": 1_200_000}
             )
         ],
-        problems=[m.BlockProblem(sort="NO_SUCH_TARGET", text="where is moon?", about="g1")],
+        problems=[BlockProblem(sort="NO_SUCH_TARGET", text="where is moon?", about="g1")],
         tells=("condition",),
     ),
-    m.BlockTrouble(
+    BlockTrouble(
         command="c00019",
         driver="bml",
         block="bml1",
-        problem=m.BlockProblem(sort="IMPOSSIBLE_TO_SCHEDULE", text="head: no answer", about="n1"),
+        problem=BlockProblem(sort="IMPOSSIBLE_TO_SCHEDULE", text="head: no answer", about="n1"),
     ),
     m.CommandMark(command="c00019", driver="bml", sort="sync", text="n1:start"),
     m.MotionInterrupted(command="c00017", driver="head", reason="stop pressed", stopped=True),

@@ -11,7 +11,7 @@ import pytest
 
 from tools import ROOT
 from woz_tui.config.actions import ACTION_FIELDS
-from woz_tui.config.session_verbs import BML_VERB, ENGAGEMENT_VERBS, WAIT, session_verbs
+from woz_tui.config.session_verbs import ENGAGEMENT_VERBS, WAIT, session_verbs
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -30,7 +30,7 @@ from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 from woz_tui.testing import check, contract_checks
-from woz_tui.testing.contract_checks import MODEL_VERBS, RESERVED
+from woz_tui.testing.contract_checks import MODEL_VERBS, RESERVED, reserved_words
 
 
 @dataclass(frozen=True)
@@ -309,7 +309,7 @@ async def test_wrong_behaviour_is_found(
 
 def test_the_words_it_reserves_are_those_of_actions_session_and_model() -> None:
     session = [verb.name for verb in session_verbs()]
-    assert set(RESERVED) == {*ACTION_FIELDS, WAIT.name, BML_VERB.name, *session}
+    assert set(RESERVED) == {*ACTION_FIELDS, WAIT.name, *session}
     assert set(MODEL_VERBS) == set(ENGAGEMENT_VERBS)
     page = (ROOT / "drivers/README.md").read_text(encoding="utf-8")
-    assert [word for word in (*RESERVED, *MODEL_VERBS) if f"`{word}`" not in page] == []
+    assert [word for word in (*reserved_words(), *MODEL_VERBS) if f"`{word}`" not in page] == []

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import Any, TypeVar
 
-from woz_tui.config.performers import BML, PERFORMERS
+from woz_tui.config.performers import performers
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import is_by_hand
 from woz_tui.timeline import episodes as e
@@ -176,22 +176,6 @@ class StopRow:
     elapsed_us: int | None = None
     late: bool = False
     released: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class BlockRow:
-    """A block of BML: its id (empty: it was not planned), the action or the program that asked for
-    it, how many behaviours it had; `left_out`: what was not played as it was asked for, and why.
-    """
-
-    begin: int
-    end: int | None
-    block: str
-    asker: str
-    outcome: str
-    reason: str
-    behaviours: int
-    left_out: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -430,35 +414,6 @@ def _with_parts(names: list[str], parts: Mapping[str, list[str]]) -> tuple[str, 
     )
 
 
-def blocks(timeline: Timeline) -> Iterator[BlockRow]:
-    """All blocks of BML, those on keys and those of planners."""
-    attached = (line for _, line in moments(timeline, m.ConsoleAttached))
-    names = {line.console: line.name for line in attached if line.name}
-    troubles: dict[str, list[m.BlockProblem]] = {}
-    for _, trouble in moments(timeline, m.BlockTrouble):
-        troubles.setdefault(trouble.command, []).append(trouble.problem)
-    for each in timeline.of(e.CommandEpisode):
-        request, planned = each.request, each.planned
-        if request.driver != BML:
-            continue
-        problems = [*(planned.problems if planned else ()), *troubles.get(request.command, ())]
-        yield BlockRow(
-            begin=each.begin,
-            end=None if each.cut else each.end,
-            block=planned.block if planned else "",
-            asker=request.action or names.get(request.console, request.source),
-            outcome="" if each.cut else each.outcome,
-            reason=each.reason,
-            behaviours=len(planned.behaviours) if planned else 0,
-            left_out=tuple(_problem_text(problem) for problem in problems),
-        )
-
-
-def _problem_text(problem: m.BlockProblem) -> str:
-    named = problem.text.startswith(f"{problem.about}:")
-    return problem.text if named or not problem.about else f"{problem.about}: {problem.text}"
-
-
 def marks(timeline: Timeline) -> Iterator[MarkRow]:
     """Markers except those of the preflight list, notes and mistakes."""
     for each in timeline.of(e.MomentEpisode):
@@ -681,7 +636,7 @@ WizardAct = e.ActionEpisode | e.CommandEpisode
 
 def of_robot(command: e.CommandEpisode) -> bool:
     """Whether a command went to a robot, not to the session itself or the engagement model."""
-    return command.request.driver not in PERFORMERS
+    return command.request.driver not in performers()
 
 
 def is_direct(command: e.CommandEpisode) -> bool:

@@ -123,7 +123,6 @@ def figures_of(
         phases=tuple(event_rows.phases(timeline, counted)),
         breaks=tuple(event_rows.breaks(timeline)),
         stops=tuple(event_rows.stops(timeline)),
-        blocks=tuple(event_rows.blocks(timeline)),
         marks=tuple(event_rows.marks(timeline)),
         answers=tuple(
             each if each.participant in people else replace(each, counted=False) for each in answers

@@ -14,7 +14,6 @@ from typing import Any
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import (
     AnswerRow,
-    BlockRow,
     ConsoleRow,
     CueRow,
     MarkRow,
@@ -353,7 +352,6 @@ class SessionFigures:
     phases: tuple[PhaseRow, ...]
     breaks: tuple[SpanRow, ...]
     stops: tuple[StopRow, ...]
-    blocks: tuple[BlockRow, ...]
     marks: tuple[MarkRow, ...]
     answers: tuple[AnswerRow, ...]
     rounds: tuple[RoundRow, ...]

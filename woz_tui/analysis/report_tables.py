@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import CUE_RESULTS, SettingRow, TrialRow, value_text
@@ -17,6 +16,7 @@ from woz_tui.analysis.participant_groups import (
     Total,
 )
 from woz_tui.analysis.participants import condition_text, participant_text
+from woz_tui.analysis.report_table import AlarmText, LogText, ReportTable
 from woz_tui.analysis.text_format import (
     NONE,
     clock,
@@ -67,38 +67,6 @@ DEFINED = tuple(
     dict.fromkeys((*_OF_SESSION, *TERMINAL_COLUMNS, "cues_answered_early", "cues_superseded"))
 )
 _DEFINITIONS = {title_of(name): name for name in DEFINED}
-
-
-class LogText(str):
-    """Words of a person or of an experiment file: they may hold any character."""
-
-    __slots__ = ()
-
-
-class AlarmText(LogText):
-    """Something that went wrong: the page shows it in red."""
-
-    __slots__ = ()
-
-
-@dataclass(frozen=True, slots=True)
-class ReportTable:
-    """A table of the report; it is not shown if it has no rows.
-
-    Attributes:
-        words: So many of the first columns hold words; the others hold figures.
-        on_terminal: So many of the first columns have room on a terminal; None: all of them.
-        definitions: Titles of columns and rows, and which measure says what each is.
-        total: The last row sums up the others.
-    """
-
-    title: str
-    heads: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    words: int = 1
-    on_terminal: int | None = None
-    definitions: Mapping[str, str] = field(default_factory=dict)
-    total: bool = False
 
 
 def measure_text(measure: Measure, value: float | None) -> str:
@@ -424,19 +392,11 @@ def stops(figures: SessionFigures) -> ReportTable:
     return ReportTable("Emergency stops", heads, rows, words=5)
 
 
-def blocks(figures: SessionFigures) -> ReportTable:
-    """Blocks of BML: whose, how they went, and what of them was not played as asked."""
-    rows = [
-        (
-            *(clock(row.begin), LogText(row.block), LogText(row.asker), LogText(row.outcome)),
-            AlarmText("; ".join(filter(None, (row.reason, *row.left_out)))),
-            duration(None if row.end is None else row.end - row.begin),
-            str(row.behaviours),
-        )
-        for row in figures.blocks
-    ]
-    heads = ("At", "Block", "By", "Ended", "Not played", "Lasted", "Behaviours")
-    return ReportTable("Behaviour blocks (BML)", heads, rows, words=5)
+def of_features(figures: SessionFigures) -> Iterator[ReportTable]:
+    """What features have to show."""
+    for name, each in pieces("figures", FeatureFigures).items():
+        if name in figures.features:
+            yield from each.tables(figures.features[name])
 
 
 def marks(figures: SessionFigures) -> ReportTable:

@@ -10,7 +10,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from woz_tui.analysis.event_rows import PREFLIGHT, is_direct, moments, of_robot, value_text
-from woz_tui.config.performers import BML
+from woz_tui.analysis.feature_figures import CommandPicture, FeatureFigures
+from woz_tui.config.performers import composers
+from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.session_state import LATEST_TIME
@@ -121,8 +123,8 @@ def drawing_of(timeline: Timeline, curves: SensorCurves | None = None) -> Timeli
             interval = _action(each, of_runs.get(each.request.run, ()))
         if isinstance(each, e.TrialEpisode):
             lane, interval = ("trial", "trials"), _trial(each, timeline.left_out(each))
-        if isinstance(each, e.CommandEpisode) and each.request.driver == BML:
-            lane, interval = ("panel", PLANNER), _block(each)
+        if isinstance(each, e.CommandEpisode) and each.request.driver in composers():
+            lane, interval = ("panel", PLANNER), _composed(each)
         if interval is not None:
             intervals.setdefault(lane, []).append(interval)
         if (instant := _instant(each)) is not None:
@@ -178,13 +180,14 @@ def _direct(command: e.CommandEpisode) -> Interval | None:
     return _act(command, [(command.seq, _fact(command))]) if is_direct(command) else None
 
 
-def _block(block: e.CommandEpisode) -> Interval | None:
+def _composed(command: e.CommandEpisode) -> Interval | None:
     """A planner's; one on a key is what its action does."""
-    if block.request.run:
+    if command.request.run:
         return None
-    behaviours = block.planned.behaviours if block.planned is not None else []
-    facts = [(block.seq, (each.id, each.does or each.sort)) for each in behaviours[:_FACTS]]
-    return replace(_act(block, facts), label=block.planned.block if block.planned else block.label)
+    drawn = (each.picture(command) for each in pieces("figures", FeatureFigures).values())
+    picture = next(filter(None, drawn), CommandPicture(command.label))
+    facts = [(command.seq, fact) for fact in picture.facts[:_FACTS]]
+    return replace(_act(command, facts), label=picture.label)
 
 
 def _act(

@@ -1,1 +1,1 @@
-"""Topics of a robot's own ROS software over a message broker: what planners send is played."""
+"""What planners say over a message broker: topics of a robot's own ROS software are played."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from woz_tui.config.topic_table import MIDDLE, SalientPlace
+from woz_tui.bridge.topic_table import MIDDLE, SalientPlace
 
 #: A program that says nothing for so long is gone, and its places with it, in seconds.
 SILENCE_S = 5.0

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from itertools import islice
 from xml.etree import ElementTree as Xml
 
-from woz_tui.bml.ros_data import (
+from woz_tui.bridge.ros_data import (
     RosDataError,
     RosType,
     RosValue,
@@ -21,10 +21,10 @@ from woz_tui.bml.ros_data import (
     read_data,
     write_data,
 )
-from woz_tui.bml.stomp_connection import StompConnection, StompPlace, stay_connected
+from woz_tui.bridge.stomp_connection import StompConnection, StompPlace, stay_connected
 from woz_tui.bridge.topic_player import TopicPlayer
+from woz_tui.bridge.topic_table import TopicTable
 from woz_tui.client import WozClient
-from woz_tui.config.topic_table import TopicTable
 from woz_tui.system.tasks import until_first_ends
 
 _PREFIX = "/topic/"

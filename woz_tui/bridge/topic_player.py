@@ -9,8 +9,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from woz_tui.bml.behaviour_calls import VerbWithArgs
-from woz_tui.bml.ros_data import RosDataError, RosValue, typed
+from woz_tui.bridge.ros_data import RosDataError, RosValue, typed
 from woz_tui.bridge.saliency import SILENCE_S, SaliencyMap
 from woz_tui.bridge.sequence_queue import (
     NackReason,
@@ -19,16 +18,17 @@ from woz_tui.bridge.sequence_queue import (
     SequenceQueue,
     SequenceRequest,
 )
-from woz_tui.client import WozClient, WozError, WozRefusedError, WozSupersededError
-from woz_tui.client.woz_client import WozRun
-from woz_tui.config.topic_table import (
+from woz_tui.bridge.topic_table import (
     MIDDLE,
     SalientPlace,
     TakenTopic,
     TopicTable,
+    VerbWithArgs,
     salient_places,
     sequence_verb,
 )
+from woz_tui.client import WozClient, WozError, WozRefusedError, WozSupersededError
+from woz_tui.client.woz_client import WozRun
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
 from woz_tui.system.tasks import TaskSet, end_tasks, until_first_ends

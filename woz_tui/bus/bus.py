@@ -136,6 +136,11 @@ class Bus:
         #: Who watches over what drives.
         self.watch: DrivingWatch | None = None
 
+    def add(self, name: str, performer: Performer, verbs: Iterable[Verb]) -> None:
+        """One more who carries out verbs."""
+        self._drivers[name] = performer
+        self.offer(name, verbs)
+
     def offer(self, driver: str, verbs: Iterable[Verb]) -> None:
         """`driver` offers these verbs from now on: the same, perhaps with other choices."""
         self.verbs[driver] = {verb.name: verb for verb in verbs}

@@ -30,7 +30,6 @@ COMMANDS = {
     "access": "give access from other machines: new, list, revoke",
     "listen": "write the sound of the robot's microphone to standard output",
     "talk": "send a voice from standard input to the robot's loudspeaker",
-    "bml": "play behaviour blocks (BML 1.0) in a running session, or print their timetable",
     "bridge": "play what a planner sends on the topics of a robot's own software (EyePi)",
     "mcp": "offer a running session to an assistant, as tools (Model Context Protocol)",
     "replay": "replay a session on the screen or on the robot",

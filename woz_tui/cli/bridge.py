@@ -6,12 +6,12 @@ import asyncio
 from argparse import ArgumentParser, Namespace
 from functools import partial
 
-from woz_tui.bml.stomp_connection import StompError
 from woz_tui.bridge.stomp_bridge import StompBridge
+from woz_tui.bridge.stomp_connection import StompError
+from woz_tui.bridge.topic_table import load_table
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.stomp_options import add_broker, broker_place
 from woz_tui.client import WozError, connect
-from woz_tui.config.topic_table import load_table
 
 
 def add(parser: ArgumentParser) -> None:

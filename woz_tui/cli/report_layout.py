@@ -14,7 +14,7 @@ from rich.console import Group, RenderableType
 from rich.table import Column, Table
 from rich.text import Text
 
-from woz_tui.analysis.report_tables import ReportTable
+from woz_tui.analysis.report_table import ReportTable
 from woz_tui.analysis.text_format import counted
 from woz_tui.cli.safe_streams import raw_stream
 from woz_tui.console.drawing.text_console import TextConsole

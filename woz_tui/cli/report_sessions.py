@@ -50,7 +50,9 @@ def show_session(page: ReportPage, report: SessionReport, top: int = TOP) -> Non
     for table in (tables.people, tables.addressed, tables.trials, tables.phases):
         page.print(page.block(table(figures)))
     page.print(page.block(tables.settings(figures), top))
-    for table in (tables.blocks, tables.stops, tables.answers):
+    for of_feature in tables.of_features(figures):
+        page.print(page.block(of_feature))
+    for table in (tables.stops, tables.answers):
         page.print(page.block(table(figures)))
     page.print(page.block(tables.marks(figures), top))
     sentences = list(tables.circumstances(figures))

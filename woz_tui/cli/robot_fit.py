@@ -15,7 +15,7 @@ from woz_tui.config.bundled_files import robot_files
 from woz_tui.config.experiment import Action, Call, Experiment, ParallelCalls
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
-from woz_tui.config.performers import PERFORMERS
+from woz_tui.config.performers import performers
 from woz_tui.config.robots import PLAY
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers.contract import Driver
@@ -72,7 +72,7 @@ def _does(action: Action, several: bool) -> str:
 def _call(call: Call, several: bool) -> str:
     move = call.args.get("move") if call.verb == PLAY else None
     text = f"{call.verb} {move}" if isinstance(move, str) else call.verb
-    return f"{text} -> {call.driver}" if several and call.driver not in PERFORMERS else text
+    return f"{text} -> {call.driver}" if several and call.driver not in performers() else text
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from woz_tui.bml.stomp_connection import StompPlace
+from woz_tui.bridge.stomp_connection import StompPlace
 
 #: The usual port, and the highest one.
 _PORT, _HIGHEST = 61613, 0xFFFF

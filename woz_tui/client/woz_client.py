@@ -26,6 +26,7 @@ from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.description import Description, Prediction, VerbDescription
+from woz_tui.protocol.kinds import prediction_kinds
 from woz_tui.protocol.panels import PanelView
 from woz_tui.system import session_sockets
 from woz_tui.system.clock import boot_id
@@ -320,7 +321,8 @@ class WozClient:
         return await self._predicted(r.AskPredict(action=self._action(action)))
 
     async def _predicted(self, request: r.AskPredict) -> Prediction:
-        return msgspec.convert((await self.request(request)).data, Prediction)
+        kind = prediction_kinds().get(request.verb, Prediction)
+        return msgspec.convert((await self.request(request)).data, kind)
 
     # -- the rest of a session -------------------------------------------------------------------
 

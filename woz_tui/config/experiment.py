@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from woz_tui.bml.behaviour_calls import BmlTable
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.file_position import NOWHERE, FilePosition, Problem
 from woz_tui.config.study import Study
@@ -321,10 +320,6 @@ class Experiment:
     sensors: tuple[str, ...] = ()
     #: Of the arrow keys.
     steps: ArrowKeySteps = field(default_factory=ArrowKeySteps)
-    #: What behaviours of BML stand for, by robot (empty: the only one).
-    bml: Mapping[str, BmlTable] = field(default_factory=dict)
-    #: Blocks of BML that actions play: file as they write it -> what it holds.
-    blocks: Mapping[str, str] = field(default_factory=dict)
     #: What the sections of features say (`feature_section.FeatureSection`), by section.
     sections: Mapping[object, Any] = field(default_factory=dict)
     #: How the robot tells whether somebody is with it; None: it does not.

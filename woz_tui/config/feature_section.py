@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from woz_tui.config.condition_texts import Variables
 from woz_tui.config.experiment import Action, Experiment, Panel, Step
 from woz_tui.config.file_position import FilePosition
+from woz_tui.config.file_text import SourceFile
 from woz_tui.config.languages import Language
+from woz_tui.config.robots import Robots
 from woz_tui.config.yaml_cursor import Cursor
-from woz_tui.drivers.contract import Verb
+from woz_tui.drivers.contract import Driver, Finding, Verb, Written
 from woz_tui.protocol.messages import Json
 
 S = TypeVar("S")
@@ -39,6 +42,28 @@ class FileContents:
     complete: bool = True
 
 
+@dataclass(frozen=True, slots=True)
+class FileSurroundings:
+    """What a file is read with.
+
+    Attributes:
+        robots: Those that play it; of a robot file itself, its own.
+        catalogue: Driver classes by type.
+        folder: Where relative paths of the file start.
+        opened: Takes each further file that belongs to it.
+    """
+
+    robots: Robots
+    catalogue: Mapping[str, type[Driver]]
+    folder: Path
+    opened: Callable[[SourceFile], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class NoKeys:
+    """A feature without keys of the experiment file."""
+
+
 class FeatureSection(Generic[S]):
     """A feature's keys of the experiment file, and what becomes of them: an `S`.
 
@@ -48,9 +73,28 @@ class FeatureSection(Generic[S]):
         empty: What a file without these keys has.
     """
 
+    #: Verbs that need no driver. Actions may name them, `Feature.performer` carries them out.
+    verbs: tuple[Verb, ...] = ()
+
     def __init__(self, keys: type, empty: S) -> None:
         self.keys = keys
         self.empty = empty
+
+    def begin(self, around: FileSurroundings) -> FeatureSection[S]:
+        """What reads one file: this one, or one of its own that keeps what it finds on the way.
+
+        Called when the robots are known, and for a robot file by itself, too: it reads the
+        feature's keys of robot files (`Robots.entries`).
+        """
+        return self
+
+    def remarks(self, written: Written) -> Iterable[Finding]:
+        """What is wrong with a command of one of its verbs (see `Driver.remarks`)."""
+        return ()
+
+    def robot_schema(self) -> Mapping[str, dict[str, Any]]:
+        """JSON Schema of its keys of robot files (`Feature.robot_keys`)."""
+        return {}
 
     def read(self, table: Mapping[str, Cursor], file: Any, contents: FileContents) -> S:
         """What the file's top level says. What is wrong is reported where it stands.

@@ -17,16 +17,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 from woz_tui.config.annotated_decoder import fields_of, find_note, split_annotation
-from woz_tui.config.bml_section import KEYS, TARGETS, TOPICS, TOPICS_WORDS
 from woz_tui.config.condition_texts import ANY
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_section import ENTERED, ON_ENTER
 from woz_tui.config.experiment import OWN_PROCESS, SHARED_PROCESS, DriverPlace
 from woz_tui.config.experiment_file import TOP_LEVEL, ActionEntry, ExperimentFile
 from woz_tui.config.feature_section import FeatureSection
-from woz_tui.config.performers import BML
 from woz_tui.config.robots import AT, NAMED, PROCESS
-from woz_tui.config.session_verbs import BML_VERB, WAIT, engagement_verbs, session_verbs
+from woz_tui.config.session_verbs import WAIT, engagement_verbs, session_verbs
 from woz_tui.config.study import Design
 from woz_tui.config.study_sections import NAME_PATTERN
 from woz_tui.config.study_words import CUES
@@ -287,27 +285,13 @@ def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
         }
         for field in NAMED
     }
-    return mapping({"name": TEXT, **names, BML: _bml(), "drivers": drivers}, required=("drivers",))
-
-
-def _bml() -> Schema:
-    """What behaviours stand for: a word, or verbs as in an action."""
-    angles = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
-    does = {"anyOf": [TEXT, {"type": "object", "minProperties": 1}]}
-    return {
-        **mapping(
-            {
-                name: {
-                    "type": "object",
-                    "description": words,
-                    "additionalProperties": angles if name == TARGETS else does,
-                }
-                for name, words in KEYS.items()
-            }
-            | {TOPICS: {**TEXT, "description": TOPICS_WORDS}}
-        ),
-        "description": "what behaviours of BML stand for; what is not said is as usual",
+    of_features = {
+        key: schema
+        for each in pieces("section", FeatureSection).values()
+        for key, schema in each.robot_schema().items()
     }
+    keys = {"name": TEXT, **names, **of_features, "drivers": drivers}
+    return mapping(keys, required=("drivers",))
 
 
 def _answers() -> Schema:
@@ -417,7 +401,9 @@ def _verbs(catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None]) -
         for verb in offered:
             known = merged.get(verb.name)
             merged[verb.name] = verb if known is None else _merged(known, verb)
-    return [*merged.values(), *map(_opened, session_verbs()), BML_VERB, *engagement_verbs()]
+    sections = pieces("section", FeatureSection).values()
+    of_features = [verb for each in sections for verb in each.verbs]
+    return [*merged.values(), *map(_opened, session_verbs()), *of_features, *engagement_verbs()]
 
 
 def _sample_verbs(driver: type[Driver]) -> Iterable[Verb]:

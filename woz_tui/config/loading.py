@@ -12,28 +12,26 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from woz_tui.bml.behaviour_calls import BmlTable
 from woz_tui.config import cross_checks, participant_pattern, utterance_template
 from woz_tui.config.actions import PanelReader, StepReader, panel_titles
 from woz_tui.config.annotated_decoder import read_partly
-from woz_tui.config.bml_section import BlockChecker, read_tables, robot_calls
 from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import read_variables
 from woz_tui.config.cross_checks import check_asks
 from woz_tui.config.engagement_section import EngagementReader, check_engagement
 from woz_tui.config.experiment import DriverSpec, Experiment
 from woz_tui.config.experiment_file import OWN_ONLY, TOP_LEVEL, ExperimentFile
-from woz_tui.config.feature_section import FeatureSection, FileContents
+from woz_tui.config.feature_section import FeatureSection, FileContents, FileSurroundings
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.languages import Language
-from woz_tui.config.performers import BML, ENGAGEMENT, SESSION
+from woz_tui.config.performers import ENGAGEMENT, SESSION, performers_of_features
 from woz_tui.config.phases import read_phases
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.robots import RobotReader, Robots, VerbOffer
 from woz_tui.config.sensor_names import check_shown, published_names
-from woz_tui.config.session_verbs import BML_VERB, engagement_verbs, session_verbs
+from woz_tui.config.session_verbs import engagement_verbs, session_verbs
 from woz_tui.config.study_sections import StudyReferences, read_study
 from woz_tui.config.verb_calls import Vocabulary
 from woz_tui.config.yaml_cursor import (
@@ -51,10 +49,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class RobotFile:
-    """A robot file by itself: its drivers, and what behaviours of BML stand for."""
+    """A robot file by itself: its drivers, and what features read of it (`FeatureSection.begin`),
+    by the feature's section.
+    """
 
     drivers: tuple[DriverSpec, ...]
-    bml: Mapping[str, BmlTable]
+    sections: Mapping[FeatureSection[Any], FeatureSection[Any]]
 
 
 def load(
@@ -113,9 +113,10 @@ def load_robot_file(path: Path, catalogue: Mapping[str, type[Driver]]) -> RobotF
     assert source is not None  # `raise_errors` has raised otherwise
     assert root is not None
     robots = RobotReader(catalogue, path.parent, report, [source]).read_file(root)
-    tables = read_tables(robots, path.absolute().parent)
+    around = FileSurroundings(robots, catalogue, path.absolute().parent, report.included.append)
+    sections = {each: each.begin(around) for each in pieces("section", FeatureSection).values()}
     report.raise_errors()
-    return RobotFile(tuple(robots.drivers), tables)
+    return RobotFile(tuple(robots.drivers), sections)
 
 
 def load_robot(path: Path, catalogue: Mapping[str, type[Driver]]) -> tuple[DriverSpec, ...]:
@@ -156,18 +157,15 @@ class _ExperimentDecoder:
         words = language.questionnaire()
         panels_cursor = table.get("panels")
         folder = self._path.absolute().parent
-        tables = read_tables(playing, folder)
-        checker = BlockChecker(
-            lambda character: robot_calls(
-                playing.drivers, tables, self._catalogue, folder, character
-            ),
-            self._opened,
-            complete=not playing.incomplete,
-        )
+        surroundings = FileSurroundings(playing, self._catalogue, folder, self._opened)
+        reading = {
+            name: each.begin(surroundings)
+            for name, each in pieces("section", FeatureSection).items()
+        }
         own = _own(session_verbs(conditions, panel_titles(panels_cursor)), section)
         vocabulary = Vocabulary(
             robots,
-            own | {BML: VerbOffer(BML, BML_VERB, look=checker.remarks)},
+            own | _of_features(reading),
             dict.fromkeys((*filled, *variables.names)),
             CommandChecker.of(self._path.absolute().parent, variables, conditions),
             conditions,
@@ -192,8 +190,8 @@ class _ExperimentDecoder:
             complete=not robots.incomplete,
         )
         sections = {
-            section: section.read(table, file, contents)
-            for section in pieces("section", FeatureSection).values()
+            section: reading[name].read(table, file, contents)
+            for name, section in pieces("section", FeatureSection).items()
         }
         verb_names = {verb.name for verb in verbs} if contents.complete else None
         reader = EngagementReader(vocabulary, steps, actions)
@@ -207,8 +205,6 @@ class _ExperimentDecoder:
             drivers=tuple(playing.drivers),
             panels=read,
             robot=playing.origin,
-            bml=tables,
-            blocks=checker.blocks,
             script=file.script,
             phases=read_phases(table.get("phases"), [panel.title for panel in read], actions),
             participant_pattern=_pattern(file.participants.pattern, table.get("participants")),
@@ -267,6 +263,17 @@ def _own(session: Iterable[Verb], engagement: Cursor | None) -> dict[str, VerbOf
     if engagement is not None:
         own |= {verb.name: VerbOffer(ENGAGEMENT, verb) for verb in engagement_verbs()}
     return own
+
+
+def _of_features(reading: Mapping[str, FeatureSection[Any]]) -> dict[str, VerbOffer]:
+    """Verbs that features bring along."""
+    performers = performers_of_features()
+    return {
+        verb.name: VerbOffer(performers[name].name, verb, look=section.remarks)
+        for name, section in reading.items()
+        if name in performers
+        for verb in section.verbs
+    }
 
 
 def _published(robots: Robots) -> set[str] | None:

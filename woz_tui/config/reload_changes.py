@@ -70,8 +70,6 @@ def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
 #: What has names: its entries by them.
 _COLLECTIONS: Mapping[str, Callable[[Experiment], Mapping[str, object]]] = {
     "variable": lambda read: {**read.variables, **read.by_condition},
-    "block of BML": lambda read: read.blocks,
-    "BML table of": lambda read: {name or "the robot": it for name, it in read.bml.items()},
     "questionnaire": lambda read: {each.name: each for each in read.study.questionnaires},
     "preflight": lambda read: dict.fromkeys(read.study.preflight),
     "phase": lambda read: {phase.name: phase for phase in read.phases},

@@ -17,7 +17,7 @@ from woz_tui.config.experiment import (
     ParallelCalls,
     Step,
 )
-from woz_tui.config.performers import PERFORMERS
+from woz_tui.config.performers import performers
 from woz_tui.config.sensor_names import ENGAGEMENT, POSE, published_names
 
 
@@ -57,7 +57,7 @@ def fitted(experiment: Experiment) -> Experiment:
 
 def _does_something(action: Action) -> bool:
     """Whether anything remains that a visitor would notice, if something is left out."""
-    return not action.left_out or any(call.driver not in PERFORMERS for call in action.calls)
+    return not action.left_out or any(call.driver not in performers() for call in action.calls)
 
 
 def _panels_of(action: Action) -> set[str]:

@@ -18,7 +18,7 @@ from woz_tui.config.annotated_decoder import (
 from woz_tui.config.bundled_files import is_path, robot_files
 from woz_tui.config.experiment import OWN_PROCESS, SHARED_PROCESS, DriverPlace, DriverSpec
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
-from woz_tui.config.performers import BML, PERFORMERS, SESSION
+from woz_tui.config.performers import SESSION, performers, performers_of_features
 from woz_tui.config.problems import ProblemReport, join, quoted
 from woz_tui.config.yaml_cursor import (
     Cursor,
@@ -31,6 +31,7 @@ from woz_tui.config.yaml_nodes import MappingNode, parse_yaml
 from woz_tui.drivers.contract import Driver, Finding, Offer, Verb, Written
 from woz_tui.drivers.fields import Range, Sibling
 from woz_tui.drivers.plugins import Catalogue
+from woz_tui.feature import features
 from woz_tui.network.listen_address import ListenAddress, is_access_name
 
 #: A robot that needs no hardware and no file: one driver of the same type, called `robot`.
@@ -43,8 +44,17 @@ NAMED = {"moves": "move", "joints": "joints"}
 #: What an entry of a driver says beside its type and settings: the computer of its hardware, and in
 #: which process it runs.
 AT, PROCESS = "at", "process"
-#: What a robot file may say.
-ROBOT_FIELDS = ("name", *NAMED, BML, "drivers")
+
+
+def robot_fields() -> tuple[str, ...]:
+    """What a robot file may say."""
+    return ("name", *NAMED, *robot_keys(), "drivers")
+
+
+def robot_keys() -> tuple[str, ...]:
+    """What it may say to features."""
+    return tuple(key for each in features().values() for key in each.robot_keys)
+
 
 RemarkFunction = Callable[[Written], Iterable[Finding]]
 
@@ -75,11 +85,13 @@ class DriverRequests:
 
 
 @dataclass(frozen=True, slots=True)
-class BmlSection:
-    """What a robot file says of BML; `cursor`: None if nothing. `moves`: its names of moves."""
+class RobotEntries:
+    """What a robot's file says to features, by key. `robot`: its name, where there are several.
+    `moves`: its own names of moves.
+    """
 
     robot: str
-    cursor: Cursor | None
+    keys: Mapping[str, Cursor]
     moves: Mapping[str, str]
 
 
@@ -92,7 +104,8 @@ class Robots:
     asking: list[DriverRequests] = field(default_factory=list)
     #: Robot names, if there are several robots.
     names: list[str] = field(default_factory=list)
-    bml_sections: list[BmlSection] = field(default_factory=list)
+    #: Of each robot.
+    entries: list[RobotEntries] = field(default_factory=list)
     #: Whether some driver could not be decoded, so that verbs may be missing.
     incomplete: bool = False
     #: Of the robot that plays instead of the file's own: what it is called, and where to find it.
@@ -239,7 +252,7 @@ class RobotReader:
 
     def _drivers(self, cursor: Cursor, prefix: str) -> None:
         """`{name: ..., drivers: {head: {type: ..., settings}, ...}}`."""
-        table = cursor.fields(ROBOT_FIELDS, "a robot has", "a mapping with drivers")
+        table = cursor.fields(robot_fields(), "a robot has", "a mapping with drivers")
         if table is None:
             return
         if "name" in table:
@@ -248,7 +261,8 @@ class RobotReader:
             kind: _names_in(table[field]) if field in table else {} for field, kind in NAMED.items()
         }
         moves = self._names["move"]
-        self._robots.bml_sections.append(BmlSection(prefix.rstrip("."), table.get(BML), moves))
+        of_features = {key: table[key] for key in robot_keys() if key in table}
+        self._robots.entries.append(RobotEntries(prefix.rstrip("."), of_features, moves))
         drivers = missing(table, "drivers", cursor, "drivers: {head: {type: ...}}")
         before = len(self._robots.drivers)
         entries = drivers.table("a mapping of drivers by name") if drivers is not None else None
@@ -408,10 +422,10 @@ def _is_foreign(catalogue: Mapping[str, type[Driver]], kind: str) -> bool:
 
 
 def _named(cursor: Cursor, name: str) -> bool:
-    if name in PERFORMERS:
-        itself = {SESSION: "the session itself", BML: "who plays BML"}.get(
-            name, "the engagement model"
-        )
+    if name in performers():
+        of_features = {each.name: each.who for each in performers_of_features().values()}
+        who = {SESSION: "the session itself", **of_features}
+        itself = who.get(name, "the engagement model")
         cursor.error(f"{name!r} is already the name of {itself}; choose another name")
         return False
     if not _NAME.fullmatch(name):

@@ -7,7 +7,6 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 
-from woz_tui.bml.xml_elements import LONGEST
 from woz_tui.config.engagement_words import (
     CONDITION,
     FILTERS,
@@ -18,7 +17,6 @@ from woz_tui.config.engagement_words import (
     STATES,
     STOPPED,
 )
-from woz_tui.config.performers import BML
 from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.drivers.fields import Range
 
@@ -30,20 +28,6 @@ WAIT = own_verb(
     "wait",
     "wait before the next step",
     (Argument("seconds", "seconds", "how long", required=True, range=Range(0.0, 3600.0, "s")),),
-)
-
-
-#: Plays a block of the Behaviour Markup Language.
-BML_VERB = own_verb(
-    BML,
-    "play a block of the Behaviour Markup Language",
-    (
-        Argument("file", "file", "a file with a block, relative to the experiment's folder"),
-        Argument("block", "text", "the block itself", range=Range(0, LONGEST, "characters")),
-    ),
-    lane=BML,
-    limit_s=3600.0,
-    together=True,
 )
 
 

@@ -14,7 +14,7 @@ from woz_tui.config.annotated_decoder import resolve_path
 from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import is_choice, read_choice
 from woz_tui.config.experiment import ARRIVED, Call, LeftOut, ParallelCalls, TextVariants
-from woz_tui.config.performers import ENGAGEMENT, PERFORMERS
+from woz_tui.config.performers import ENGAGEMENT, performers
 from woz_tui.config.problems import ProblemReport, join, listed, quoted
 from woz_tui.config.robots import PLAY, Robots, VerbOffer
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS, WAIT
@@ -176,7 +176,7 @@ class CallReader:
         offers = self._vocabulary.offers(name)
         own = None if "on" in self._arguments_of(name) else dict(verb.entries()).get("on")
         targets = outer if own is None else self._targets(own)
-        if offers and offers[0].driver in PERFORMERS:
+        if offers and offers[0].driver in performers():
             return list(offers)
         if targets is None:
             return self._only(verb, name, offers)
@@ -297,7 +297,7 @@ class CallReader:
         seen: dict[tuple[str, str], str] = {}
         for call in calls:
             verb = lanes[call.driver, call.verb]
-            if verb.stream or call.driver in PERFORMERS:
+            if verb.stream or call.driver in performers():
                 continue
             first = seen.setdefault((call.driver, verb.lane), call.verb)
             if first != call.verb:
@@ -324,7 +324,7 @@ class _Substitute:
 
     def offers(self, own: Sequence[VerbOffer]) -> list[VerbOffer]:
         """Who carries it out instead: a driver of the same name, or the only one that can."""
-        if own[0].driver in PERFORMERS:
+        if own[0].driver in performers():
             return [*own]
         name = own[0].verb.name
         offers = self._another.offers.get(name, [])
@@ -347,7 +347,7 @@ class _Substitute:
         read: Callable[[VerbOffer, Cursor, Mapping[str, Cursor]], Call],
     ) -> Call | None:
         """The call with what this robot's verb takes; None: it is left out."""
-        if offer.driver in PERFORMERS:
+        if offer.driver in performers():
             return read(offer, self._entry, beside)
         verb = offer.verb.name
         known = {argument.name for argument in offer.verb.arguments}

@@ -200,7 +200,7 @@ _COMMANDS = (
     _row(
         "cut",
         _cut,
-        hint=KeyHint(0.5, "cut", lambda state: bool(state.runs.blocks)),
+        hint=KeyHint(0.5, "cut", lambda state: bool(state.runs.composed)),
     ),
     _row(
         "queue",

@@ -10,4 +10,5 @@ FEATURES: tuple[str, ...] = (
     "woz_tui.features.repairs:Repairs",
     "woz_tui.features.training:Training",
     "woz_tui.features.mcap:Mcap",
+    "woz_tui.features.blocks:Blocks",
 )

@@ -34,7 +34,7 @@ from woz_tui.protocol.requests import (
     Reply,
     Request,
 )
-from woz_tui.session.recent_messages import UNLISTED, RecentMessages
+from woz_tui.session.recent_messages import RecentMessages, unlisted
 from woz_tui.session.redactor import Redactor
 from woz_tui.system.clock import Standstill
 
@@ -60,7 +60,7 @@ class RoleView:
 
     def listen(self, hub: Hub) -> None:
         """Follow the session."""
-        hub.listen(self._remember, but=UNLISTED)
+        hub.listen(self._remember, but=unlisted())
         hub.listen(self.redactor.apply, *self.redactor.READS)
 
     def redacted(self, message: m.Message) -> m.Message | None:

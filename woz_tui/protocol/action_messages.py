@@ -179,6 +179,7 @@ class Dispatched(Ack, frozen=True, kw_only=True, tag="command.dispatched"):
 class Progress(Ack, frozen=True, kw_only=True, tag="command.progress"):
     """The driver now knows how long it will take: `expected_us` more from this line's `t`."""
 
+    kept_whole = True
     expected_us: int
 
 
@@ -258,50 +259,9 @@ class CommandMark(Ack, frozen=True, kw_only=True, tag="command.mark"):
     and empty when the block begins).
     """
 
+    kept_whole = True
     sort: str
     text: str = ""
-
-
-class PlannedBehaviour(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """A behaviour of a block of BML: its element, what the robot does for it in words, and when
-    its sync points are, in microseconds from the block's beginning.
-    """
-
-    id: str
-    sort: str
-    does: str = ""
-    points: dict[str, int]
-
-
-class BlockProblem(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """What of a block of BML is not played, and why. `about`: the behaviour or constraint; empty:
-    something else. `sort`: as BML's feedback calls it (NO_SUCH_TARGET ...).
-    """
-
-    sort: str
-    text: str
-    about: str = ""
-
-
-class BlockPlanned(Ack, frozen=True, kw_only=True, tag="bml.planned"):
-    """The block of BML that a command plays is put in time.
-
-    It begins at `begin` on the axis of `t` and is planned to take `duration_us`. `block` is its id.
-    Each sync point that passes is a `command.mark` of the sort `sync`.
-    """
-
-    block: str
-    begin: int
-    duration_us: int
-    behaviours: list[PlannedBehaviour] = []
-    problems: list[BlockProblem] = []
-
-
-class BlockTrouble(Ack, frozen=True, kw_only=True, tag="bml.trouble"):
-    """A behaviour of a block did not go as planned; the rest of the block goes on."""
-
-    block: str
-    problem: BlockProblem
 
 
 #: A stop is confirmed so soon after its key, in seconds.

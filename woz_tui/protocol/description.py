@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import msgspec
 
-from woz_tui.protocol.action_messages import BlockPlanned
 from woz_tui.protocol.envelope import Json
 
 
@@ -91,10 +90,8 @@ class PredictedCommand(msgspec.Struct, frozen=True, kw_only=True):
 
 class Prediction(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """How an action or a verb would go if it began now and nothing else went on: the `data` of the
-    reply to `predict`. `duration_us`: of the whole; null: nobody knows. `block`: of the verb `bml`
-    alone, with what it would play.
+    reply to `predict`. `duration_us`: of the whole; null: nobody knows.
     """
 
     duration_us: int | None
     commands: list[PredictedCommand]
-    block: BlockPlanned | None = None

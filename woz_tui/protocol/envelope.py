@@ -28,6 +28,8 @@ class RestrictedMessage(Message, frozen=True, kw_only=True):
     are sent.
     """
 
+    #: Whether nothing of it is shown where its words tell what is kept.
+    kept_whole: ClassVar[bool] = False
     tells: tuple[str, ...] = ()
 
 

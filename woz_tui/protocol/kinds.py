@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cache
 
 from woz_tui.feature import pieces
+from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.envelope import Answer, Message, RestrictedMessage
 from woz_tui.protocol.messages import MESSAGES
 from woz_tui.protocol.requests import ANSWERS, REQUESTS, Request
@@ -17,13 +19,16 @@ class FeatureKinds:
 
     `open`: those of its messages that tell nothing of the condition, the visitor or what somebody
     said. Any other reaches those alone who may know everything, unless it is a `RestrictedMessage`,
-    which says itself what it tells.
+    which says itself what it tells. `unlisted`: those of which no list of events has a line.
+    `predictions`: by verb, what replies to `predict` hold where that is more than others'.
     """
 
     messages: tuple[type[Message], ...] = ()
     requests: tuple[type[Request], ...] = ()
     answers: tuple[type[Answer], ...] = ()
     open: tuple[type[Message], ...] = ()
+    unlisted: tuple[type[Message], ...] = ()
+    predictions: Mapping[str, type[Prediction]] = field(default_factory=dict)
 
 
 @cache
@@ -56,3 +61,17 @@ def closed_kinds() -> frozenset[type[Message]]:
         for kind in each.messages
         if kind not in each.open and not issubclass(kind, RestrictedMessage)
     )
+
+
+@cache
+def unlisted_kinds() -> tuple[type[Message], ...]:
+    """Messages of features of which no list of events has a line."""
+    of_features = pieces("kinds", FeatureKinds).values()
+    return tuple(kind for each in of_features for kind in each.unlisted)
+
+
+@cache
+def prediction_kinds() -> Mapping[str, type[Prediction]]:
+    """What replies to `predict` hold where that is more than a `Prediction`, by verb."""
+    of_features = pieces("kinds", FeatureKinds).values()
+    return {verb: kind for each in of_features for verb, kind in each.predictions.items()}

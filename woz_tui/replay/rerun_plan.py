@@ -19,7 +19,7 @@ import msgspec
 
 from woz_tui.analysis.played_actions import SESSION_SOURCES
 from woz_tui.config.experiment import Experiment
-from woz_tui.config.performers import BML, ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.config.performers import ENGAGEMENT, SESSION, composers, performers
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, Verb
 from woz_tui.log.log_reader import Damage, files_of, read
@@ -116,7 +116,7 @@ class RerunPlan:
     def drivers(self) -> tuple[str, ...]:
         """The drivers that it needs, in the order in which it needs them."""
         names = dict.fromkeys(step.command.driver for step in self.sent)
-        return tuple(name for name in names if name not in PERFORMERS)
+        return tuple(name for name in names if name not in performers())
 
     @cached_property
     def counts(self) -> dict[tuple[str, str], int]:
@@ -236,7 +236,7 @@ def _senseless(command: m.Command) -> str:
         return "the engagement model does not act in a re-run"
     if command.driver == SESSION and command.verb not in SESSION_VERBS:
         return "it belongs to the recorded session and does not move the robot"
-    if command.driver == BML:
+    if command.driver in composers():
         return "what it consists of is repeated command by command"
     if command.verb in LEARNING:
         return "it would concern the person who is there now"

@@ -14,7 +14,7 @@ import msgspec
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call
-from woz_tui.config.performers import BML, ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.config.performers import ENGAGEMENT, SESSION, composers, performers
 from woz_tui.drivers.contract import Verb
 from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.gate.questions import RequestOrigin
@@ -542,7 +542,7 @@ class ActionRunner:
         found = set()
         for call in calls:
             verb = self._bus.verb(call.driver, call.verb)
-            if verb is None or call.driver in PERFORMERS:
+            if verb is None or call.driver in performers():
                 continue
             accompanies = verb.stream or verb.brief or verb.lane in _ACCOMPANYING
             if not (leading and accompanies):
@@ -638,8 +638,8 @@ def _refusal_of(run: ActionRun) -> RequestError | None:
 
 
 def may_speak(call: Call | m.Command) -> bool:
-    """Whether something is said with it; a block of BML may say something."""
-    return call.verb in SPEAKING_VERBS or call.driver == BML
+    """Whether something is said with it; what is composed may say something."""
+    return call.verb in SPEAKING_VERBS or call.driver in composers()
 
 
 def _left_out(action: Action) -> str:

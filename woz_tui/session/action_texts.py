@@ -9,10 +9,10 @@ import random
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import Protocol
 
 import msgspec
 
-from woz_tui.bml.behaviour_calls import VerbCall
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import (
     Action,
@@ -22,7 +22,7 @@ from woz_tui.config.experiment import (
     TextVariants,
     Wait,
 )
-from woz_tui.config.performers import BML
+from woz_tui.config.performers import composers
 from woz_tui.config.utterance_template import HIDDEN_TEXT, VISITOR
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -31,17 +31,38 @@ from woz_tui.session.variables import MissingValueError, VariableValues, fill_va
 
 #: The verb and its argument that hold an utterance.
 SAY, TEXT = "say", "text"
-#: The argument that names a file with a block of BML.
+#: The argument that names a file with what a performer composes.
 FILE = "file"
 
 
-#: What a file with a block of BML plays: verb, arguments and driver of each call; nothing if it
-#: cannot be read.
-BlockCalls = Callable[[str], Sequence[VerbCall]]
+class ComposedCall(Protocol):
+    """A call of which a performer composes what it carries out."""
+
+    @property
+    def verb(self) -> str:
+        """What is called."""
+
+    @property
+    def args(self) -> Mapping[str, Json]:
+        """With what."""
+
+    @property
+    def driver(self) -> str:
+        """On which driver."""
+
+    @property
+    def words(self) -> str:
+        """The same in a few words."""
+
+
+#: Who composes, and a file -> what it plays; nothing if it cannot be read.
+CallsOfFile = Callable[[str, str], Sequence[ComposedCall]]
 
 
 def utterances(
-    experiment: Experiment, values: VariableValues, of_block: BlockCalls = lambda file: ()
+    experiment: Experiment,
+    values: VariableValues,
+    calls_of: CallsOfFile = lambda driver, file: (),
 ) -> dict[str, list[Mapping[str, Json]]]:
     """What will be said, by driver, each once, in the file's order: the arguments of `say`.
 
@@ -60,8 +81,8 @@ def utterances(
             for written in _written(call, TEXT, values) if call.verb == SAY else ():
                 if said := _filled({**call.args, TEXT: written}, values):
                     found.setdefault(call.driver, {})[repr(sorted(said.items()))] = said
-            for file in _written(call, FILE, values) if call.driver == BML else ():
-                for part in of_block(str(file)):
+            for file in _written(call, FILE, values) if call.driver in composers() else ():
+                for part in calls_of(call.driver, str(file)):
                     if part.verb == SAY:
                         found.setdefault(part.driver, {})[repr(sorted(part.args.items()))] = (
                             part.args
@@ -142,7 +163,7 @@ class ActionTexts:
         seed: Of the order of variants.
         experiment: The experiment as it is now.
         values: The variables' present values.
-        of_block: What a file with a block of BML plays.
+        calls_of: What a file with what a performer composes plays.
     """
 
     def __init__(
@@ -151,9 +172,9 @@ class ActionTexts:
         seed: int,
         experiment: Callable[[], Experiment],
         values: Callable[[], VariableValues],
-        of_block: BlockCalls,
+        calls_of: CallsOfFile,
     ) -> None:
-        self._of_block = of_block
+        self._calls_of = calls_of
         self._hub = hub
         self._seed = seed
         self._experiment = experiment
@@ -269,9 +290,10 @@ class ActionTexts:
         self._hub.publish(m.ActionsFilled(actions=filled))
 
     def _filled_call(self, call: Call) -> m.FilledCall:
-        """As consoles show it: a block of BML with what it says, or else does."""
+        """As consoles show it: what is composed with what it says, or else does."""
         filled = msgspec.convert(call, m.FilledCall, from_attributes=True)
-        if call.driver != BML or not (parts := self._of_block(str(call.args.get(FILE)))):
+        file = str(call.args.get(FILE))
+        if call.driver not in composers() or not (parts := self._calls_of(call.driver, file)):
             return filled
         said = " ".join(str(part.args[TEXT]) for part in parts if part.verb == SAY)
         does = ", ".join(dict.fromkeys(part.words for part in parts))

@@ -17,7 +17,7 @@ from woz_tui.config.experiment import (
     DriverSpec,
     Experiment,
 )
-from woz_tui.config.performers import PERFORMERS
+from woz_tui.config.performers import performers
 from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import REST_WAIT_S, Driver, DriverError, PassiveDriver
 from woz_tui.drivers.driver_call import DriverCall, guarded
@@ -103,7 +103,7 @@ def motionless(experiment: Experiment, catalogue: Mapping[str, type[Driver]]) ->
     alarm that a robot may still move.
     """
     passive = (s.name for s in experiment.drivers if issubclass(catalogue[s.type], PassiveDriver))
-    return frozenset((*PERFORMERS, *passive))
+    return frozenset((*performers(), *passive))
 
 
 def _routers(experiment: Experiment) -> dict[str, DriverRouter]:

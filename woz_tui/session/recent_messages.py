@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import deque
+from functools import cache
 
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.kinds import unlisted_kinds
 
 #: How many of them there are.
 MOST = 200
@@ -12,8 +14,13 @@ MOST = 200
 UNLISTED = (
     *(m.Reading, m.Shown, m.EngagementShown, m.ExperimentFiles, m.SessionPlan, m.RerunSent),
     *(m.ActionScheduled, m.MotionArrived, m.MotionInterrupted, m.VerbsUnable, m.CommandMark),
-    *(m.BlockPlanned,),
 )
+
+
+@cache
+def unlisted() -> tuple[type[m.Message], ...]:
+    """The same, of features too."""
+    return (*UNLISTED, *unlisted_kinds())
 
 
 class RecentMessages:
@@ -36,7 +43,7 @@ class RecentMessages:
 
     def lists(self, message: m.Message) -> bool:
         """Whether the next message is one for a list of events."""
-        if isinstance(message, UNLISTED):
+        if isinstance(message, unlisted()):
             return False
         if isinstance(message, m.Command) and message.passing:
             self._passing.add(message.command)

@@ -64,8 +64,6 @@ NAMES = frozenset(
         *("sha256", "evidence"),
     )
 )
-#: What says how a command goes: nothing of it is shown where its words tell something.
-_OF_COMMANDS = m.Progress | m.CommandMark | m.BlockPlanned | m.BlockTrouble
 #: What the ear finds out.
 _HEARD = ("transcript", "loudness", "presence", "identity")
 #: What a participant's terminal gets of the stream.
@@ -314,9 +312,7 @@ class Redactor:
             return message
         if isinstance(message, m.Command):
             return replace(message, args={**message.args, **message.unfilled})
-        if isinstance(message, _OF_COMMANDS) or (
-            isinstance(message, m.Notice) and message.level == "info"
-        ):
+        if message.kept_whole or (isinstance(message, m.Notice) and message.level == "info"):
             return None
         names = _words(type(message))
         words: Any = dict.fromkeys(names, "")

@@ -20,8 +20,7 @@ from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.experiment import Action, Call, Experiment, Phase
 from woz_tui.config.keys.keymap import actions_on
-from woz_tui.config.performers import BML, ENGAGEMENT, PERFORMERS, SESSION
-from woz_tui.config.session_verbs import BML_VERB
+from woz_tui.config.performers import ENGAGEMENT, SESSION, performers
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Ask, Driver, HandInput, Performer, RejectedError
 from woz_tui.drivers.feeds import Feeds
@@ -36,8 +35,7 @@ from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.protocol.requesters import WIZARD
 from woz_tui.session.action_runner import ActionRunner, LastAct
-from woz_tui.session.action_texts import ActionTexts, missing_value_error, utterances
-from woz_tui.session.bml_player import BmlPlayer
+from woz_tui.session.action_texts import ActionTexts, ComposedCall, missing_value_error, utterances
 from woz_tui.session.driver_context import OnCompletion
 from woz_tui.session.driver_faults import DriverFaults
 from woz_tui.session.driver_manager import DriverManager, make_drivers, motionless
@@ -46,7 +44,7 @@ from woz_tui.session.engagement_robot import EngagementRobot
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Forecaster, Kept, predicted
-from woz_tui.session.recent_messages import UNLISTED, RecentMessages
+from woz_tui.session.recent_messages import RecentMessages, unlisted
 from woz_tui.session.script_control import ScriptController
 from woz_tui.session.session_driver import VERBS, SessionPerformer
 from woz_tui.session.session_features import SessionFeatures
@@ -105,7 +103,7 @@ class Session:
         self.hub = Hub(self.clock, self.recorder.record)
         self.state, self.recent = SessionState(), RecentMessages()
         self.hub.listen(self._on_message)  # before all others: they find the state as of now
-        self.hub.listen(self.recent.add, but=UNLISTED)
+        self.hub.listen(self.recent.add, but=unlisted())
         self.phases = PhaseController(
             self.hub.publish,
             self.state.study,
@@ -149,19 +147,10 @@ class Session:
             on_request=self._driver_request,
             media=lambda: media_folder(self.recorder.path),
         )
-        self.blocks = BmlPlayer(
-            self.hub,
-            self.state,
-            self.drivers,
-            read=lambda: self.experiment,
-            catalogue=self.catalogue,
-            refusal=self._no_verb,
-        )
         self.locked |= {panel.title: True for panel in self.experiment.panels if panel.locked}
         performers: dict[str, Performer] = {
             **self.drivers,
             ENGAGEMENT: self.engagement,
-            BML: self.blocks,
             SESSION: SessionPerformer(
                 {
                     "mark": lambda args, tells: self.mark(
@@ -180,7 +169,6 @@ class Session:
             {
                 **{spec.name: spec.offer.verbs for spec in self.experiment.drivers},
                 SESSION: VERBS,
-                BML: (BML_VERB,),
                 ENGAGEMENT: self.engagement.offered,
             },
             motionless=motionless(self.experiment, self.catalogue),
@@ -194,15 +182,16 @@ class Session:
             self.identity.seed,
             lambda: self.experiment,
             self.values,
-            self.blocks.calls_in,
+            self._calls_in,
         )
         self.features = SessionFeatures(self)
+        for name, performer in self.features.performing.items():
+            self.bus.add(name, performer, performer.verbs)
         deadline = self.experiment.session.deadline
         self.runner = ActionRunner(self.hub, self.bus, self.texts, deadline, self.features)
         self.last_act = LastAct(self.state, self.bus, self.runner)
         self.hub.listen(self.last_act.on_dispatched, m.Dispatched)
         robot.bus, robot.runner, robot.texts = self.bus, self.runner, self.texts
-        self.blocks.bus, self.blocks.runner = self.bus, self.runner
         #: The last command of each control of a panel, by driver and control.
         self._held: dict[tuple[str, str], str] = {}
         self._timers: dict[str, asyncio.TimerHandle] = {}
@@ -225,9 +214,7 @@ class Session:
         self._prepare()
 
     def _prepare(self) -> None:
-        self._driver_manager.prepare(
-            utterances(self.experiment, self.values(), self.blocks.calls_in)
-        )
+        self._driver_manager.prepare(utterances(self.experiment, self.values(), self._calls_in))
 
     async def close(self, reason: str, rest: bool = True) -> None:
         """Rest, close the drivers, finish the log. Bounded in time; never raises."""
@@ -388,7 +375,7 @@ class Session:
         wrong = self._wrong_arguments(call) if at else ""
         question = SendVerb(verb, call.args, driver, origin, stale, at, nobody, wrong)
         refusal = self._why_not_sent(question)
-        again = partial(self._no_verb, call, origin)
+        again = partial(self.why_no_verb, call, origin)
         sent = self.runner.send(call, origin, when_busy or "queue", refusal, at=at, again=again)
         if refusal is not None:
             raise RequestError.of(refusal)
@@ -422,19 +409,21 @@ class Session:
             steps = self.texts.preview(action)
         except MissingValueError as error:
             raise missing_value_error(error) from error
-        drivers: dict[str, Forecaster] = {**self.drivers, BML: self.blocks}
+        drivers: dict[str, Forecaster] = {**self.drivers, **self.features.performing}
         return await predicted(steps, self.bus.verb, drivers, kept)
 
     async def predict_verb(self, call: Call, kept: Kept) -> Prediction:
         """How one verb, filled in, would go if it were sent now. Raises `RequestError`."""
         call = replace(call, driver=self._driver_for(call.verb, call.driver))
-        if call.driver == BML:
+        performing = self.features.performing
+        if (performer := performing.get(call.driver)) is not None:
             try:
-                block = await self.blocks.foretell(call.args)
+                foretold = await performer.foretell(call.verb, call.args)
             except RejectedError as error:
                 raise RequestError(error.what, error.remedy) from error
-            return Prediction(duration_us=block.duration_us, commands=[], block=block)
-        return await predicted([(call,)], self.bus.verb, self.drivers, kept)
+            if foretold is not None:
+                return foretold
+        return await predicted([(call,)], self.bus.verb, {**self.drivers, **performing}, kept)
 
     def describe(self) -> m.Json:
         """What can be asked for: `protocol.description.Description` as plain JSON."""
@@ -452,7 +441,10 @@ class Session:
         self.texts.publish_all()
         return True
 
-    def _no_verb(self, call: Call, origin: RequestOrigin) -> Refusal | None:
+    def _calls_in(self, performer: str, file: str) -> Sequence[ComposedCall]:
+        return self.features.calls_in(performer, file)
+
+    def why_no_verb(self, call: Call, origin: RequestOrigin) -> Refusal | None:
         """Why this hand may not send it at the moment; None: it may."""
         return why_not(self.facts(), SendVerb(call.verb, call.args, call.driver, origin))
 
@@ -490,7 +482,7 @@ class Session:
         """The driver that is meant, or why none can be named."""
         offering = [name for name, verbs in self.bus.verbs.items() if verb in verbs]
         if on:
-            offering = [n for n in offering if n in (on, *PERFORMERS) or n.startswith(f"{on}.")]
+            offering = [n for n in offering if n in (on, *performers()) or n.startswith(f"{on}.")]
         if len(offering) == 1:
             return offering[0]
         if offering:
@@ -668,7 +660,7 @@ class Session:
         def ended(end: m.End) -> None:
             done(isinstance(end, m.Done), end.reason)
 
-        again = partial(self._no_verb, call, origin) if isinstance(asked, SendVerb) else None
+        again = partial(self.why_no_verb, call, origin) if isinstance(asked, SendVerb) else None
         when_busy = ask.when_busy or "queue"
         sent = self.runner.send(call, origin, when_busy, refusal, ended, again=again)
         if ask.key:
@@ -700,7 +692,7 @@ class Session:
 
     def lose_hands(self, client: str) -> None:
         """The connection `client` has ended: what it held is let go, its blocks end."""
-        self.blocks.lose(client)
+        self.features.lose(client)
         for name, driver in self.drivers.items():
             try:
                 driver.lose_hand(client)

@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from woz_tui.bus.lane import LaneJob
-from woz_tui.config.performers import ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.config.performers import ENGAGEMENT, SESSION
 from woz_tui.config.session_verbs import own_verb
 from woz_tui.drivers.contract import Argument, Job, Performer, RejectedError, Scope, Verb
 from woz_tui.protocol.messages import Json
 
 #: The names under which the bus knows the session and its engagement model.
-__all__ = ["ENGAGEMENT", "PERFORMERS", "SESSION", "VERBS", "SessionPerformer"]
+__all__ = ["ENGAGEMENT", "SESSION", "VERBS", "SessionPerformer"]
 
 VERBS: tuple[Verb, ...] = (
     own_verb(

@@ -8,17 +8,20 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar, Protocol, TypeVar, cast
 
+from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
-from woz_tui.config.experiment import Action, Experiment
-from woz_tui.drivers.contract import Verb
+from woz_tui.config.experiment import Action, Call, Experiment
+from woz_tui.config.performers import performers_of_features
+from woz_tui.drivers.contract import Driver, Forecast, Performer, Verb
 from woz_tui.feature import left_out, pieces
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.description import Prediction
+from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.protocol.requests import Request
 from woz_tui.session.action_runner import ActionRunner
-from woz_tui.session.action_texts import ActionTexts
+from woz_tui.session.action_texts import ActionTexts, ComposedCall
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.timeline.session_state import SessionState
 
@@ -43,13 +46,19 @@ class FeatureSession(Protocol):
     """What features may use of a session; `runner` and `texts` come after the features."""
 
     experiment: Experiment
+    catalogue: Mapping[str, type[Driver]]
     hub: Hub
     state: SessionState
     identity: SessionIdentity
+    drivers: dict[str, Driver]
+    bus: Bus
     runner: ActionRunner
     texts: ActionTexts
     #: Shows consoles the panels as they are now.
     on_panels: Callable[[], None]
+
+    def why_no_verb(self, call: Call, origin: RequestOrigin) -> Refusal | None:
+        """Why this hand may not send it at the moment; None: it may."""
 
 
 class SessionFeature:
@@ -81,6 +90,9 @@ class SessionFeature:
 
     def close(self) -> None:
         """The session ends; what it still says may be said."""
+
+    def lose(self, console: str) -> None:
+        """A console, a program or a control panel is not connected any more."""
 
     def carry_out(self, request: Any, client: Client) -> str:
         """Do what is asked; the id of the run or command that it has begun, if any."""
@@ -118,6 +130,30 @@ class SessionFeature:
         return None
 
 
+class PerformingFeature(SessionFeature, Performer):
+    """One that carries out verbs: those of its section, under the name of `Feature.performer`.
+
+    What it raises then ends the command alone.
+    """
+
+    #: What it offers.
+    verbs: ClassVar[tuple[Verb, ...]] = ()
+
+    async def predict(self, verb: str, args: Mapping[str, m.Json]) -> Forecast:
+        """How a command would go (see `Driver.predict`)."""
+        return Forecast()
+
+    async def foretell(self, verb: str, args: Mapping[str, m.Json]) -> Prediction | None:
+        """The same, for who asks for this command alone; None: as `predict` has it. Raises
+        `RejectedError`.
+        """
+        return None
+
+    def calls_in(self, file: str) -> Sequence[ComposedCall]:
+        """What a file that was read with the experiment plays, where it composes that."""
+        return ()
+
+
 F = TypeVar("F", bound=SessionFeature)
 
 #: Where features are asked or told something; those that have nothing to do there are passed by.
@@ -146,6 +182,28 @@ class SessionFeatures:
                 having[name] = feature
         for heard, call in kind.hears.items():
             self._session.hub.listen(partial(self._hear, name, feature, call), heard)
+
+    @property
+    def performing(self) -> dict[str, PerformingFeature]:
+        """Those that carry out verbs, by the name under which these are addressed."""
+        names = performers_of_features()
+        return {
+            names[name].name: feature
+            for name, feature in self._all.items()
+            if name in names and isinstance(feature, PerformingFeature)
+        }
+
+    def calls_in(self, performer: str, file: str) -> Sequence[ComposedCall]:
+        """What a file plays for who composes it; nothing if it cannot be played."""
+        for name, feature in self._all.items():
+            if feature is self.performing.get(performer):
+                return self._safely(name, feature.calls_in, (), file)
+        return ()
+
+    def lose(self, console: str) -> None:
+        """A console, a program or a control panel is not connected any more."""
+        for name, feature in [*self._all.items()]:
+            self._safely(name, feature.lose, None, console)
 
     def _hear(
         self,

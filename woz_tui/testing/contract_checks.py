@@ -22,6 +22,7 @@ from collections.abc import Awaitable, Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from woz_tui.config.feature_section import FeatureSection
 from woz_tui.drivers.contract import (
     FACE_CONSENT,
     KINDS,
@@ -41,6 +42,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Section
 from woz_tui.drivers.robot_verbs import COMMON_VERBS, main_argument
+from woz_tui.feature import pieces
 from woz_tui.protocol.action_messages import EVIDENCE
 from woz_tui.protocol.messages import Json
 from woz_tui.system.processor_time import STALL_S
@@ -51,7 +53,7 @@ from woz_tui.testing.recording_context import PlainJob, RecordingContext, until
 #: Words that mean something else in every action: its own fields, and the session's verbs.
 RESERVED = (
     *("key", "label", "name", "help", "locked", "when_busy", "on", "until", "steps", "then"),
-    *("wait", "mark", "note", "set", "lock", "unlock", "bml"),
+    *("wait", "mark", "note", "set", "lock", "unlock"),
 )
 #: Verbs of the engagement model: in an experiment that has it a driver's could not be called.
 MODEL_VERBS = (
@@ -65,6 +67,13 @@ EXAMINE_S, CLOSE_S = 10.0, 5.0
 NOTICE_S = 15.0
 #: So long nothing may be published after `close`, in seconds: more than twice a tick of 10 Hz.
 QUIET_S = 0.25
+
+
+def reserved_words() -> tuple[str, ...]:
+    """The same, with the verbs of features."""
+    sections = pieces("section", FeatureSection).values()
+    return (*RESERVED, *(verb.name for each in sections for verb in each.verbs))
+
 
 _NAME = re.compile(r"[a-z][a-z0-9_-]*")
 _LEVELS = ("ok", "info", "warning", "error")
@@ -170,7 +179,7 @@ def _verb(verb: Verb) -> Iterable[Finding]:
     subject = f"verb {verb.name}"
     if not _NAME.fullmatch(verb.name):
         yield _error(subject, "a name is made of a-z, 0-9, - and _")
-    if verb.name in RESERVED:
+    if verb.name in reserved_words():
         yield _error(subject, "means something else in every action", "choose another name")
     if verb.name in MODEL_VERBS:
         yield _error(subject, "is a verb of the engagement model", "choose another name")

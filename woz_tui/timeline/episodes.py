@@ -203,14 +203,14 @@ class ActionEpisode(Episode, frozen=True, kw_only=True):
 
 class CommandEpisode(Episode, frozen=True, kw_only=True):
     """A command from its request to its end. `progress` is what the driver expected last, `planned`
-    the block of BML that it plays.
+    what a performer that composes says of its plan.
     """
 
     kind = "command"
     request: m.Command
     dispatched: m.Dispatched | None = None
     progress: m.Progress | None = None
-    planned: m.BlockPlanned | None = None
+    planned: m.Ack | None = None
     ended: m.End | None = None
     mistake: m.Mistake | None = None
 

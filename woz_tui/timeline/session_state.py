@@ -13,7 +13,7 @@ from typing import Any, TypeVar, cast
 import msgspec
 from msgspec.structs import replace
 
-from woz_tui.config.performers import BML, ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.config.performers import ENGAGEMENT, SESSION, composers, performers
 from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import DriverHealth
@@ -346,7 +346,7 @@ class SessionState:
     def _dispatched(self, message: m.Dispatched) -> Iterable[Episode]:
         command = self.commands.get(message.command)
         if command is None:
-            return self._stray(message)
+            return self.stray(message)
         if command.dispatched is None:
             self.commands[message.command] = replace(command, dispatched=message)
         request = command.request
@@ -357,30 +357,31 @@ class SessionState:
 
     def _is_first(self, driver: str, action: ActionEpisode) -> bool:
         """Whether a driver is the first that is called for an action: a robot's rather than that
-        of blocks, which has a robot called later.
+        that composes, and has a robot called later.
         """
         if action.dispatched is None:
             return driver not in (SESSION, ENGAGEMENT)
-        return action.dispatched.driver == BML and driver not in PERFORMERS
+        return action.dispatched.driver in composers() and driver not in performers()
 
     def _progress(self, message: m.Progress) -> Iterable[Episode]:
         command = self.commands.get(message.command)
         if command is None:
-            return self._stray(message)
+            return self.stray(message)
         self.commands[message.command] = replace(command, progress=message)
         return ()
 
-    def _planned(self, message: m.BlockPlanned) -> Iterable[Episode]:
+    def planned(self, message: m.Ack) -> Iterable[Episode]:
+        """A command is planned, as its performer says."""
         command = self.commands.get(message.command)
         if command is None:
-            return self._stray(message)
+            return self.stray(message)
         self.commands[message.command] = replace(command, planned=message)
         return ()
 
     def _command_ended(self, message: m.End) -> Iterable[Episode]:
         command = self.commands.pop(message.command, None)
         if command is None:
-            ended = self._stray(message)
+            ended = self.stray(message)
         else:
             outcome = OUTCOMES[type(message)]
             ended = (replace(command, end=self.t, outcome=outcome, ended=message),)
@@ -392,7 +393,7 @@ class SessionState:
             self.actions[action.request.run] = replace(action, waits=True)
         return (*ended, *self.model.switch(message, self.t))
 
-    def _stray(self, message: m.Ack) -> tuple[Episode, ...]:
+    def stray(self, message: m.Ack) -> tuple[Episode, ...]:
         """Handles an ack of a passing command, or of one whose request is not in the log."""
         return () if message.command in self._passing else self._moment(message)
 
@@ -689,7 +690,6 @@ CASES: dict[type[m.Message], _Case] = {
     m.Command: S._command,
     m.Dispatched: S._dispatched,
     m.Progress: S._progress,
-    m.BlockPlanned: S._planned,
     m.Mistake: S._mistake,
     m.StopPressed: S._pressed,
     m.StopConfirmed: S._confirmed,
@@ -738,9 +738,7 @@ CASES: dict[type[m.Message], _Case] = {
     **dict.fromkeys(
         (m.DriverConnecting, m.DriverConnected, m.DriverLost, m.DriverFaulted), S._driver
     ),
-    **dict.fromkeys(
-        (m.MotionArrived, m.MotionInterrupted, m.CommandMark, m.BlockTrouble), S._stray
-    ),
+    **dict.fromkeys((m.MotionArrived, m.MotionInterrupted, m.CommandMark), S.stray),
     # Moments, and nothing but moments.
     **dict.fromkeys((m.Marker, m.Note, m.Notice, m.VisitorChanged), S._moment),
     **dict.fromkeys((m.ActionScheduled, m.RerunSent, m.RerunSkipped), S._moment),

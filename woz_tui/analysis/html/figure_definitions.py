@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
 from woz_tui.analysis.measures import BY_NAME, title_of
-from woz_tui.analysis.report_tables import DEFINED, AlarmText, LogText, ReportTable
+from woz_tui.analysis.report_table import AlarmText, LogText, ReportTable
+from woz_tui.analysis.report_tables import DEFINED
 
 _PERCENTILE = "half, and 95 of 100, of the values are at most this; linear between neighbours"
 

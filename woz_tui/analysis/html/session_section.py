@@ -276,10 +276,10 @@ def _tables(figures: SessionFigures) -> Iterator[Markup | None]:
     if figures.whole.engagement.states:
         yield table(tables.states(figures))
         yield transitions(figures.whole.engagement.transitions)
-    for each in (
-        *(tables.people, tables.addressed, tables.blocks, tables.answers),
-        *(tables.marks, tables.stops),
-    ):
+    yield table(tables.people(figures))
+    yield table(tables.addressed(figures))
+    yield from map(table, tables.of_features(figures))
+    for each in (tables.answers, tables.marks, tables.stops):
         yield table(each(figures))
     sentences = [tag("li", isolated(sentence)) for sentence in tables.circumstances(figures)]
     if sentences:

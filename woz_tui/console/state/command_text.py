@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
-from woz_tui.config.performers import BML, PERFORMERS
+from woz_tui.config.performers import composers, performers
 from woz_tui.console.state.wizard_overrides import is_override, override_text
+from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.markup import sentence
 from woz_tui.protocol.messages import Json
@@ -24,8 +24,6 @@ _STEPS: Mapping[str, Mapping[str, tuple[str, str, str, str]]] = {
 }
 #: Verbs that take a name with folders before it, of which the last part says it all.
 _NAMED = frozenset({"play", "sound", "read", "screen"})
-#: The id of a block of BML.
-_BLOCK_ID = re.compile(r"""<(?:\w+:)?bml\b[^>]*?\sid\s*=\s*["']([^"'<>]{1,100})["']""")
 #: Arguments that need no name beside their verb: `torque on`, `volume 0.6`.
 _PLAIN = frozenset({"on", "level", "percent"})
 
@@ -33,7 +31,7 @@ _PLAIN = frozenset({"on", "level", "percent"})
 def spoken_text(command: m.Command | m.FilledCall) -> str:
     """What is said, without markup; empty if nothing is. A text that is kept is `HIDDEN_TEXT`."""
     text = command.args.get("text")
-    mute = command.driver in PERFORMERS and command.driver != BML
+    mute = command.driver in performers() and command.driver not in composers()
     return sentence(text) if isinstance(text, str) and not mute else ""
 
 
@@ -44,17 +42,11 @@ def command_words(command: m.Command | m.FilledCall) -> str:
         return f"“{sentence(text)}”"
     if is_override(command):
         return override_text(command.verb, command.args)
-    if command.driver == BML:
-        return _block(command.args)
+    for words in pieces("command_words", dict).values():
+        if command.driver in words:
+            named: str = words[command.driver](command.args)
+            return named
     return _step(command.verb, command.args) or _verb(command.verb, command.args)
-
-
-def _block(args: Mapping[str, Json]) -> str:
-    """`block greeting`, or by its file; what it does, where that is told."""
-    found = _BLOCK_ID.search(str(args.get("block", "")))
-    name = str(args.get("file", "")) or (found[1] if found is not None else "")
-    does = str(args.get("does", ""))
-    return f"block {name}".rstrip() + (f": {does}" if does else "")
 
 
 def _step(verb: str, args: Mapping[str, Json]) -> str:

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from woz_tui.config.performers import BML
+from woz_tui.config.performers import composers
 from woz_tui.console.state.command_text import command_words, spoken_text
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import EVIDENCE
@@ -196,14 +196,14 @@ class RunningActions:
         return ActiveRun(press, commands, self.session.put_off(press.request.run))
 
     @property
-    def blocks(self) -> list[CommandEpisode]:
-        """Blocks of BML that were sent on their own, as planners do, in their order."""
-        commands = self.session.commands.values()
-        return [each for each in commands if each.request.driver == BML and not each.request.run]
+    def composed(self) -> list[CommandEpisode]:
+        """What consists of commands and was sent on its own, as planners do, in its order."""
+        sent = (each for each in self.session.commands.values() if not each.request.run)
+        return [each for each in sent if each.request.driver in composers()]
 
-    def parts(self, block: CommandEpisode) -> list[CommandEpisode]:
-        """What of a block has begun and goes on."""
-        run, commands = block.request.command, self.session.commands.values()
+    def parts(self, composed: CommandEpisode) -> list[CommandEpisode]:
+        """What of it has begun and goes on."""
+        run, commands = composed.request.command, self.session.commands.values()
         return [each for each in commands if each.request.run == run and each.started is not None]
 
     def expect(self, run: str, words: str) -> None:

@@ -51,13 +51,16 @@ class FeatureConsole:
     """What a feature has on the screen. Nothing in it may import Textual: dialogs are named.
 
     `commands`: what can be done with it. `status`: what stands at the right of the first status
-    row, and is never left out. `board`: lines above the panels. `offers`: the dialog that opens by
-    itself now. `instead`: the dialog `module:Class` that opens now for a command of the console, by
-    the id of its key, instead of what it does otherwise; empty: nothing, None: as otherwise.
+    row, and is never left out. `under_way`: what stands before the failures in the second one; it
+    is given the key that cuts what began last, and the cells that are left. `board`: lines above
+    the panels. `offers`: the dialog that opens by itself now. `instead`: the dialog `module:Class`
+    that opens now for a command of the console, by the id of its key, instead of what it does
+    otherwise; empty: nothing, None: as otherwise.
     """
 
     commands: tuple[FeatureCommand, ...] = ()
     status: Callable[[ConsoleState, PaintFrame], Row] | None = None
+    under_way: Callable[[ConsoleState, PaintFrame, str, int], Row] | None = None
     board: Board | None = None
     offers: Callable[[ConsoleState], DialogOffer | None] | None = None
     instead: Mapping[str, Callable[[ConsoleState], str | None]] = field(default_factory=dict)

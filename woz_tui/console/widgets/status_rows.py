@@ -12,16 +12,14 @@ from woz_tui.console.drawing.cells import (
     Piece,
     Row,
     clean,
-    cut,
     fit,
     fit_most,
     length,
     spread,
 )
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
-from woz_tui.console.drawing.number_text import millis, seconds
+from woz_tui.console.drawing.number_text import millis
 from woz_tui.console.robot_settings.status import driver_trouble
-from woz_tui.console.state.command_text import command_words, spoken_text
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.replay import wall_time
 from woz_tui.console.state.view_models import DriverView
@@ -40,8 +38,6 @@ WORDY = 100
 PHASE = 18
 #: Cells between the drivers and what stands at the right.
 GAP = 3
-#: Cells that drivers keep beside a planner's block, and cells that this has at least.
-DRIVERS, LEAST_BLOCK = 18, 40
 #: Cells that a long title keeps beside a trial.
 TITLE = 8
 
@@ -78,8 +74,12 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
     )
     room = width - length(vitals)
     first = spread(_fitting(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
-    block = _block(state, frame, line.cut, width - length(failures))
-    failures = (*block, *failures)
+    for each in pieces("console", FeatureConsole).values():
+        if each.under_way is not None:
+            failures = (
+                *each.under_way(state, frame, line.cut, width - length(failures)),
+                *failures,
+            )
     room = width - length(failures) - length(phase := _phase(state, frame, PHASE))
     drivers = _drivers(state, glyphs, room - GAP if phase else room)
     room -= length(drivers) + GAP
@@ -325,33 +325,6 @@ def _next_phase(state: ConsoleState, key: str, room: int) -> Row:
         return ()
     then: Row = ((f" {key} ", "key"), (f" {clean(following.heading)} ", "muted"))
     return then if length(then) <= room else ()
-
-
-def _block(state: ConsoleState, frame: PaintFrame, key: str, width: int) -> Row:
-    """The newest block that a planner has begun: its id, who it is, what is done now, how long it
-    still takes, and the key that cuts it where that is what began last.
-    """
-    runs, glyphs = state.runs, frame.glyphs
-    if not (blocks := runs.blocks) or (run := runs.get(blocks[-1].request.command)) is None:
-        return ()
-    block = blocks[-1]
-    who = state.session.consoles.get(block.request.console)
-    name = command_words(block.request).removeprefix("block ")
-    more = f" +{len(blocks) - 1}" if len(blocks) > 1 else ""
-    left = run.timing(frame.now)[0]
-    waits = "" if run.running else " waits "
-    back: Row = ((f" {seconds(left)} left " if left is not None else waits, "run"),)
-    if key and runs.active[-1] == run.id:
-        back += ((f" {key} ", "key"), (" cuts ", "muted"))
-    front: Row = (
-        (f"  {glyphs.running} {clean(name)}{more}", "run"),
-        (f" {glyphs.middle} {clean(who.name)}" if who is not None and who.name else "", "muted"),
-    )
-    parts = sorted(runs.parts(block), key=lambda each: not spoken_text(each.request))
-    words = ", ".join(command_words(each.request) for each in parts)
-    room = max(LEAST_BLOCK, width - DRIVERS) - length(back)
-    body = (*front, (f"  {glyphs.plain(clean(words))}" if words else "", "plain"))
-    return (*cut(body, max(1, room), glyphs.ellipsis), *back)
 
 
 def _seers(state: ConsoleState) -> Row:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
-from woz_tui.config.performers import BML
+from woz_tui.config.performers import composers
 from woz_tui.features.profiles.kinds import AskProfile
 from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import PlayAction, SendVerb
@@ -21,8 +21,8 @@ from woz_tui.protocol.refusal import Refusal
 if TYPE_CHECKING:  # the console needs none of it for its first paint
     from woz_tui.features.profiles.section import Profile
 
-#: Verbs that count in every profile. What a block consists of is looked at verb by verb.
-IN_EVERY_PROFILE = frozenset({"mark", "note", BML})
+#: Verbs that count in every profile.
+IN_EVERY_PROFILE = frozenset({"mark", "note"})
 
 
 def profile_without_action(facts: Facts, asked: PlayAction) -> Refusal | None:
@@ -37,9 +37,13 @@ def profile_without_action(facts: Facts, asked: PlayAction) -> Refusal | None:
 
 
 def profile_without_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
-    """What only takes hands off the robot counts in every profile."""
+    """What only takes hands off the robot counts in every profile. What a block consists of is
+    looked at verb by verb.
+    """
     profile, verb, what = _in_use(facts), asked.verb, repr(asked.verb)
-    if verb in IN_EVERY_PROFILE or verb in profile.verbs or takes_hands_off(verb, asked.args):
+    if verb in IN_EVERY_PROFILE or asked.driver in composers():
+        return None
+    if verb in profile.verbs or takes_hands_off(verb, asked.args):
         return None
     if verb == "control":
         control = asked.args.get("control")

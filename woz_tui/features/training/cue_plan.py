@@ -60,7 +60,7 @@ def requests(experiment: Experiment) -> Iterable[TrainingCue]:
 
 
 def moves_robot(action: Action) -> bool:
-    """Whether the robot does something; a block of BML is played by it."""
+    """Whether the robot does something; what is composed is played by it."""
     return any(call.driver not in (SESSION, ENGAGEMENT) for call in action.calls)
 
 

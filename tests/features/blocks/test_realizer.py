@@ -14,12 +14,12 @@ import pytest
 from tests.host.rig import ServedSession, served_session
 from tests.session.rig import ScriptedDriver
 from woz_tui import cli
-from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError
-from woz_tui.bml.bml_block import NAMESPACE, Behaviour
-from woz_tui.bml.realizer import BmlRealizer, Feedback
-from woz_tui.bml.xml_elements import LONGEST
+from woz_tui.bridge.xml_elements import LONGEST
 from woz_tui.client import connect
 from woz_tui.drivers.contract import Argument, DriverContext, Forecast, Verb
+from woz_tui.features.blocks.behaviour_calls import BehaviourCalls, UnplayableError
+from woz_tui.features.blocks.bml_block import NAMESPACE, Behaviour
+from woz_tui.features.blocks.realizer import BmlRealizer, Feedback
 from woz_tui.protocol import messages as m
 from woz_tui.testing import until
 
@@ -188,8 +188,8 @@ async def test_two_blocks_of_one_name_and_what_is_none_are_refused(planner: Plan
 async def test_a_block_under_way_is_not_forgotten_over_many_others(
     planner: Planner, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for place in ("session.bml_player", "bml.realizer"):
-        monkeypatch.setattr(f"woz_tui.{place}.REMEMBERED", 1)
+    for place in ("in_session", "realizer"):
+        monkeypatch.setattr(f"woz_tui.features.blocks.{place}.REMEMBERED", 1)
     await planner.realizer.perform(XML.format("long", "", '<wait id="w" end="999"/>'))
     for number in range(3):
         await planner.play(f"b{number}", "")

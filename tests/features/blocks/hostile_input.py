@@ -5,7 +5,7 @@ from __future__ import annotations
 from random import Random
 from xml.sax.saxutils import quoteattr
 
-from woz_tui.bml.bml_block import NAMESPACE, REQUIRED_ATTRIBUTES, SYNC_POINTS
+from woz_tui.features.blocks.bml_block import NAMESPACE, REQUIRED_ATTRIBUTES, SYNC_POINTS
 
 NUMBERS = (
     *("0", "1", "-1", "0.5", "-0", "1e3", "86400", "86401", "1e308", "1e400", "-1e400", "nan"),

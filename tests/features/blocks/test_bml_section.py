@@ -8,14 +8,14 @@ import pytest
 
 from tests.config.catalogue import CATALOGUE
 from tests.config.reading import errors, panel, read_experiment
-from woz_tui.bml.behaviour_calls import UnplayableError
-from woz_tui.bml.bml_block import Behaviour
-from woz_tui.config.bml_section import robot_calls
 from woz_tui.config.bundled_files import robot_files
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load, load_robot_file
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.plugins import installed
+from woz_tui.features.blocks.behaviour_calls import UnplayableError
+from woz_tui.features.blocks.bml_block import Behaviour
+from woz_tui.features.blocks.section import BLOCKS, BlockReader, robot_calls
 
 #: A file whose robot has the section `bml`.
 HEAD = "title: T\nrobot: {drivers: {robot: {type: simulated}}, bml: %s}\n"
@@ -33,7 +33,7 @@ def calls(folder: Path, kind: str, table: str = TABLE, **attributes: str) -> lis
     path.write_text(panel("{key: h, label: H, say: Hi}", head=HEAD % table), encoding="utf-8")
 
     experiment = load(path, installed())
-    robot = robot_calls(experiment.drivers, experiment.bml, installed(), folder)
+    robot = robot_calls(experiment.drivers, BLOCKS.of(experiment).tables, installed(), folder)
     return [call.words for call in robot.calls(Behaviour(kind, "x", attributes))]
 
 
@@ -67,8 +67,9 @@ def test_the_table_comes_before_what_is_usual(
 def test_robots_play_the_core_without_a_word_about_it(robot: str) -> None:
 
     file = robot_files(None)[robot]
-    robot_file = load_robot_file(file, installed())
-    own = robot_calls(robot_file.drivers, robot_file.bml, installed(), file.parent)
+    read = load_robot_file(file, installed()).sections[BLOCKS]
+    assert isinstance(read, BlockReader)
+    own = read.calls("")
     for kind, attributes in (
         ("head", {"lexeme": "NOD"}),
         ("head", {"lexeme": "SHAKE"}),
@@ -120,7 +121,7 @@ def test_a_block_on_a_key_is_read_with_the_experiment(tmp_path: Path) -> None:
     experiment = read_experiment(tmp_path, text)
     assert not experiment.warnings
     assert tmp_path / "greet.xml" in experiment.files
-    assert [*experiment.blocks] == ["greet.xml"]
+    assert [*BLOCKS.of(experiment).texts] == ["greet.xml"]
     with_block(tmp_path, '<bml id="b"><speech id="s"><text>Ho</text></speech></bml>')
     after = read_experiment(tmp_path, text)
     assert compare(experiment, after).changes == ("block of BML 'greet.xml' changed",)

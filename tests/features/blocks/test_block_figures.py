@@ -10,6 +10,7 @@ from tests.analysis.example_sessions import (
     timeline_drawing,
 )
 from woz_tui.analysis import report_tables
+from woz_tui.features.blocks.kinds import BlockPlanned, BlockProblem, BlockTrouble, PlannedBehaviour
 from woz_tui.protocol import messages as m
 
 
@@ -44,23 +45,23 @@ def add_block(example: ExampleSession, seconds: float, command: str, run: str = 
     )
     example.add(
         seconds + 1,
-        m.BlockPlanned(
+        BlockPlanned(
             command=command,
             driver="bml",
             block="greet",
             begin=round((seconds + 1) * SECOND),
             duration_us=3 * SECOND,
             behaviours=[
-                m.PlannedBehaviour(id="n1", sort="head", does="play nod", points={"start": 0}),
-                m.PlannedBehaviour(id="w1", sort="wait", points={"start": 0}),
+                PlannedBehaviour(id="n1", sort="head", does="play nod", points={"start": 0}),
+                PlannedBehaviour(id="w1", sort="wait", points={"start": 0}),
             ],
-            problems=[m.BlockProblem(sort="NO_SUCH_TARGET", text="g1: no moon", about="g1")],
+            problems=[BlockProblem(sort="NO_SUCH_TARGET", text="g1: no moon", about="g1")],
         ),
     )
-    problem = m.BlockProblem(sort="IMPOSSIBLE_TO_SCHEDULE", text="replaced by Hello", about="n1")
+    problem = BlockProblem(sort="IMPOSSIBLE_TO_SCHEDULE", text="replaced by Hello", about="n1")
     example.add(
         seconds + 2,
-        m.BlockTrouble(command=command, driver="bml", block="greet", problem=problem),
+        BlockTrouble(command=command, driver="bml", block="greet", problem=problem),
     )
     example.add(
         seconds + 4,
@@ -79,14 +80,15 @@ def session() -> ExampleSession:
 
 def test_every_block_is_in_the_table_with_who_asked_and_what_was_not_played() -> None:
     figures = figures_of(in_time(session()))
-    first, second = figures.blocks
+    first, second = figures.features["blocks"]
     assert (first.block, first.asker, first.outcome, first.behaviours) == (
         *("greet", "planner", "done"),
         2,
     )
     assert second.asker == "Greet"
     assert first.left_out == ("g1: no moon", "n1: replaced by Hello")
-    assert len(report_tables.blocks(figures).rows) == 2
+    [table] = report_tables.of_features(figures)
+    assert len(table.rows) == 2
     assert (figures.whole.actions, figures.whole.direct) == (1, 0), "a planner is no wizard"
 
 

@@ -1,6 +1,6 @@
 """A planner's side of a session: blocks go in, BML's feedback comes out.
 
-The robot process plays them (`session.bml_player`); this follows its messages.
+The robot process plays them (`in_session`); this follows its messages.
 """
 
 from __future__ import annotations
@@ -12,19 +12,17 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 from xml.sax.saxutils import escape, quoteattr
 
-from woz_tui.bml.bml_block import NAMESPACE, Behaviour, BmlError, read_block
 from woz_tui.client import WozClient, WozError, WozRefusedError
+from woz_tui.features.blocks.bml_block import NAMESPACE, Behaviour, BmlError, read_block
+from woz_tui.features.blocks.kinds import BML, BlockPlanned, BlockPrediction, BlockTrouble
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
-from woz_tui.protocol.messages import BlockPlanned
 from woz_tui.system.tasks import end_tasks, until_first_ends
 
 T = TypeVar("T")
 
 #: Blocks that are over and whose end somebody may still ask for.
 REMEMBERED = 100
-#: The verb that plays a block.
-VERB = "bml"
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +92,7 @@ class BmlRealizer:
         behaviours = {behaviour.id: behaviour for behaviour in block.behaviours}
         self._asking += 1
         try:
-            run = await self._client.begin(VERB, _args(text))
+            run = await self._client.begin(BML, _args(text))
         except WozRefusedError as error:
             tell(_warning(name, "IMPOSSIBLE_TO_SCHEDULE", str(error)))
             return ""
@@ -114,9 +112,9 @@ class BmlRealizer:
 
     async def predict(self, text: str) -> BlockPlanned:
         """What a block would do if it began now. Raises `WozRefusedError`."""
-        block = (await self._client.predict(VERB, _args(text))).block
-        assert block is not None  # of this verb the session says it
-        return block
+        prediction = await self._client.predict(BML, _args(text))
+        assert isinstance(prediction, BlockPrediction)  # of this verb the session says it
+        return prediction.block
 
     async def until_over(self, block: str) -> None:
         """Return when a block has ended; at once if there is none of this id."""
@@ -135,7 +133,7 @@ class BmlRealizer:
         """Do `work`. Raises `WozConnectionError` as soon as the session has ended."""
 
         async def follow() -> None:
-            async for _ in self._client.messages(m.BlockPlanned):
+            async for _ in self._client.messages(BlockPlanned):
                 pass
 
         await until_first_ends(work, follow())
@@ -157,7 +155,7 @@ class BmlRealizer:
                 requested = self._requested.get(message.command)
                 if requested is not None:
                     self._take(requested, message)
-                elif self._asking and message.driver == VERB:
+                elif self._asking and message.driver == BML:
                     self._early.append(message)
         for requested in self._latest.values():  # the session is gone
             requested.over.set()
@@ -165,13 +163,13 @@ class BmlRealizer:
     def _take(self, requested: _Requested, message: m.Ack) -> None:
         tell = requested.tell
         match message:
-            case m.BlockPlanned():
+            case BlockPlanned():
                 requested.plan = message
                 for problem in message.problems:
                     about = ":".join(filter(None, (message.block, problem.about)))
                     tell(_warning(about, problem.sort, problem.text))
                 tell(_prediction(message, requested.behaviours))
-            case m.BlockTrouble(problem=problem):
+            case BlockTrouble(problem=problem):
                 tell(_warning(f"{message.block}:{problem.about}", problem.sort, problem.text))
             case m.CommandMark(sort="sync", text=""):
                 tell(_progress("block", f"{requested.block}:start", message.t))

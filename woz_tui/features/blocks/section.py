@@ -1,24 +1,30 @@
-"""The section `bml` of a robot file, and what can be said of a block before it is played."""
+"""The key `bml` of robot files, and blocks that actions of an experiment name."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
-from woz_tui.bml.behaviour_calls import WORD_VERBS, BehaviourCalls, BmlTable, TableCall
-from woz_tui.bml.block_plan import plan
-from woz_tui.bml.bml_block import BmlError, read_block
+from woz_tui.bridge.topic_table import named_table
+from woz_tui.bridge.xml_elements import LONGEST
 from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.experiment import DriverSpec
-from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
-from woz_tui.config.robots import BmlSection, Robots
-from woz_tui.config.topic_table import named_table
+from woz_tui.config.feature_section import FeatureSection, FileContents, FileSurroundings, NoKeys
+from woz_tui.config.file_text import SourceFileError, read_source
+from woz_tui.config.reload_changes import changed_entries
+from woz_tui.config.robots import RobotEntries, Robots
+from woz_tui.config.session_verbs import own_verb
 from woz_tui.config.verb_calls import CallReader, Vocabulary
 from woz_tui.config.yaml_cursor import Cursor, read_number
 from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
-from woz_tui.drivers.contract import UNKNOWN, Driver, Finding, Verb, Written
+from woz_tui.drivers.contract import UNKNOWN, Argument, Driver, Finding, Verb, Written
 from woz_tui.drivers.fields import Range
+from woz_tui.features.blocks.behaviour_calls import WORD_VERBS, BehaviourCalls, BmlTable, TableCall
+from woz_tui.features.blocks.block_plan import plan
+from woz_tui.features.blocks.bml_block import BmlError, read_block
+from woz_tui.features.blocks.kinds import BML
 from woz_tui.protocol.messages import Json
 
 #: Where things are, beside what behaviours stand for.
@@ -45,14 +51,14 @@ _ANGLE = Range(-180, 180, "degrees")
 
 def read_tables(robots: Robots, folder: Path) -> dict[str, BmlTable]:
     """What each robot's file says, by the robot's name; mistakes are reported."""
-    return {section.robot: _table(section, robots, folder) for section in robots.bml_sections}
+    return {each.robot: _table(each, robots, folder) for each in robots.entries}
 
 
-def _table(section: BmlSection, robots: Robots, folder: Path) -> BmlTable:
-    table = BmlTable(moves=section.moves)
-    if section.cursor is None:
+def _table(robot: RobotEntries, robots: Robots, folder: Path) -> BmlTable:
+    table = BmlTable(moves=robot.moves)
+    if BML not in robot.keys:
         return table
-    prefix = f"{section.robot}." if section.robot else ""
+    prefix = f"{robot.robot}." if robot.robot else ""
     own = {
         verb: [offer for offer in offers if offer.driver.startswith(prefix)]
         for verb, offers in robots.offers.items()
@@ -65,7 +71,7 @@ def _table(section: BmlSection, robots: Robots, folder: Path) -> BmlTable:
     reader = CallReader(Vocabulary(here, {}, (), CommandChecker(folder, {"": {}})))
     calls: dict[str, dict[str, tuple[TableCall, ...]]] = {}
     targets: dict[str, tuple[float, float]] = {}
-    entries = section.cursor.fields(FIELDS, "bml has", "a mapping such as {head: {NOD: nod}}")
+    entries = robot.keys[BML].fields(FIELDS, "bml has", "a mapping such as {head: {NOD: nod}}")
     for kind, entry in (entries or {}).items():
         if kind == TOPICS:
             table = replace(table, topics=named_table(entry))
@@ -155,30 +161,82 @@ def robot_calls(
     return BehaviourCalls(verbs, tables.get(robot), accepts)
 
 
-class BlockChecker:
-    """Looks at the blocks that actions name, when the file is read.
+#: Plays a block.
+BML_VERB = own_verb(
+    BML,
+    "play a block of the Behaviour Markup Language",
+    (
+        Argument("file", "file", "a file with a block, relative to the experiment's folder"),
+        Argument("block", "text", "the block itself", range=Range(0, LONGEST, "characters")),
+    ),
+    lane=BML,
+    limit_s=3600.0,
+    together=True,
+)
 
-    Args:
-        calls_of: What behaviours stand for on the robot that a block names; raises `BmlError`.
-        opened: Takes each file that was read.
-        complete: Whether the robot's drivers are known.
+# -- in a file -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class FileBlocks:
+    """What files say of blocks.
+
+    `tables`: what behaviours stand for, by robot (empty: the only one). `texts`: blocks that
+    actions play, file as they write it -> what it holds.
     """
 
-    def __init__(
-        self,
-        calls_of: Callable[[str], BehaviourCalls],
-        opened: Callable[[SourceFile], None],
-        *,
-        complete: bool = True,
-    ) -> None:
-        self._complete = complete
-        self._calls_of = calls_of
-        self._opened = opened
+    tables: Mapping[str, BmlTable] = field(default_factory=dict)
+    texts: Mapping[str, str] = field(default_factory=dict)
+
+
+class BlockSection(FeatureSection[FileBlocks]):
+    """A file without keys of its own: robot files have some, and actions name blocks."""
+
+    verbs = (BML_VERB,)
+
+    def begin(self, around: FileSurroundings) -> BlockReader:
+        return BlockReader(around)
+
+    def changes(self, old: FileBlocks, new: FileBlocks) -> Iterable[str]:
+        yield from changed_entries("block of BML", old.texts, new.texts)
+        before, after = (
+            {name or "the robot": table for name, table in each.tables.items()}
+            for each in (old, new)
+        )
+        yield from changed_entries("BML table of", before, after)
+
+    def robot_schema(self) -> Mapping[str, dict[str, Any]]:
+        from woz_tui.config.json_schema import TEXT, mapping  # noqa: PLC0415 - only for editors
+
+        angles = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+        does = {"anyOf": [TEXT, {"type": "object", "minProperties": 1}]}
+        tables = {
+            name: {
+                "type": "object",
+                "description": words,
+                "additionalProperties": angles if name == TARGETS else does,
+            }
+            for name, words in KEYS.items()
+        }
+        schema = mapping(tables | {TOPICS: {**TEXT, "description": TOPICS_WORDS}})
+        words = "what behaviours of BML stand for; what is not said is as usual"
+        return {BML: {**schema, "description": words}}
+
+
+class BlockReader(BlockSection):
+    """Reads one file: what it says of a robot, and the blocks that actions name."""
+
+    def __init__(self, around: FileSurroundings) -> None:
+        super().__init__(NoKeys, FileBlocks())
+        self._around = around
+        self.tables = read_tables(around.robots, around.folder)
         #: What the files hold, by their paths as actions write them.
-        self.blocks: dict[str, str] = {}
+        self.texts: dict[str, str] = {}
+
+    def read(self, table: Mapping[str, Cursor], file: Any, contents: FileContents) -> FileBlocks:
+        return FileBlocks(self.tables, self.texts)
 
     def remarks(self, written: Written) -> Iterable[Finding]:
-        """What is wrong with the block of a command (see `Driver.remarks`)."""
         file, text = written.args.get("file"), written.args.get("block")
         if (file is None) == (text is None):
             yield Finding("error", "", "needs either a file with a block, or a block itself")
@@ -187,7 +245,7 @@ class BlockChecker:
         if isinstance(file, str) and UNKNOWN not in file:
             where = f"{file}: "
             try:
-                text = self._read(file, written.folder)
+                text = self._text_of(file, written.folder)
             except SourceFileError as error:
                 place = f" (line {error.line})" if error.line > 1 else ""
                 yield Finding("error", "file", f"{where}{error.message}{place}")
@@ -195,23 +253,31 @@ class BlockChecker:
             for level, why in self._problems(text):
                 yield Finding(level, "file" if where else "block", f"{where}{why}")
 
-    def _read(self, file: str, folder: Path) -> str | None:
+    def _text_of(self, file: str, folder: Path) -> str | None:
         """None: there is no such file, which is said elsewhere."""
-        if file not in self.blocks:
+        if file not in self.texts:
             path = folder / Path(file).expanduser()
             if not path.exists():
                 return None
             source = read_source(path, str(path))
-            self._opened(source)
-            self.blocks[file] = source.text
-        return self.blocks[file]
+            self._around.opened(source)
+            self.texts[file] = source.text
+        return self.texts[file]
 
     def _problems(self, text: str) -> Iterable[tuple[str, str]]:
         try:
             block = read_block(text)
-            if not self._complete:
+            if self._around.robots.incomplete:
                 return []
-            made = plan(block, self._calls_of(block.character))
+            made = plan(block, self.calls(block.character))
         except BmlError as error:
             return [("error", str(error))]
         return [("warning", f"{each.text} ({each.kind})") for each in made.schedule.warnings]
+
+    def calls(self, character: str) -> BehaviourCalls:
+        """What behaviours stand for on the robot that a block names. Raises `BmlError`."""
+        drivers, catalogue = self._around.robots.drivers, self._around.catalogue
+        return robot_calls(drivers, self.tables, catalogue, self._around.folder, character)
+
+
+BLOCKS = BlockSection(NoKeys, FileBlocks())

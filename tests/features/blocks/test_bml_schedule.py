@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.bml.bml_block import (
+from woz_tui.features.blocks.bml_block import (
     MOST_BEHAVIOURS,
     MOST_CONSTRAINTS,
     SYNC_POINTS,
@@ -20,14 +20,14 @@ from woz_tui.bml.bml_block import (
     SyncRef,
     read_block,
 )
-from woz_tui.bml.bml_schedule import (
+from woz_tui.features.blocks.bml_schedule import (
     BehaviourTiming,
     BlockSchedule,
     schedule,
     speech_timing,
     typical_timing,
 )
-from woz_tui.bml.time_network import EPSILON, TimeNetwork
+from woz_tui.features.blocks.time_network import EPSILON, TimeNetwork
 
 XML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b1">{}</bml>'
 

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 from tests.fakes.ports import free_port
 from tests.host.rig import ServedSession, served_session
-from woz_tui.bml.tcp_planner import PlannerPortError, PlannerPorts, TcpPlanner
-from woz_tui.bml.xml_elements import LONGEST, LONGEST_TAG, XmlElements, XmlElementsError
+from woz_tui.bridge.xml_elements import LONGEST, LONGEST_TAG, XmlElements, XmlElementsError
 from woz_tui.client import WozConnectionError, connect
+from woz_tui.features.blocks.tcp_planner import PlannerPortError, PlannerPorts, TcpPlanner
 from woz_tui.testing import until
 
 PATIENCE_S = 40.0
@@ -157,7 +157,7 @@ async def test_a_planner_hears_nothing_of_the_blocks_of_the_one_before(tmp_path:
 async def test_a_planner_without_a_port_for_feedback_is_played(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_tui.bml.tcp_planner._FEEDBACK_S", 0.01)
+    monkeypatch.setattr("woz_tui.features.blocks.tcp_planner._FEEDBACK_S", 0.01)
     async with listening(tmp_path) as listener:
         _, writer = await asyncio.open_connection("127.0.0.1", listener.ports.request)
         writer.write(BLOCK.format("b1").encode())
@@ -169,7 +169,7 @@ async def test_a_planner_without_a_port_for_feedback_is_played(
 async def test_a_planner_that_does_not_read_gets_no_more(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("woz_tui.bml.tcp_planner._MOST_UNREAD", 0)
+    monkeypatch.setattr("woz_tui.features.blocks.tcp_planner._MOST_UNREAD", 0)
     async with listening(tmp_path) as listener:
         planner = AsapPlanner(listener.ports.request, listener.ports.feedback, reads=False)
         listener.planners.append(planner)

@@ -8,16 +8,20 @@ need.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 import msgspec
 
-from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError, VerbCall
-from woz_tui.bml.block_plan import BlockPlan, first_calls, plan, problem_of
-from woz_tui.bml.bml_block import (
+from woz_tui.config.experiment import Call
+from woz_tui.config.file_text import SourceFileError, read_source
+from woz_tui.config.performers import performers
+from woz_tui.drivers.contract import Forecast, Job, RejectedError, Scope
+from woz_tui.features.blocks.behaviour_calls import BehaviourCalls, UnplayableError, VerbCall
+from woz_tui.features.blocks.block_plan import BlockPlan, first_calls, plan, problem_of
+from woz_tui.features.blocks.bml_block import (
     Behaviour,
     BmlBlock,
     BmlError,
@@ -25,21 +29,15 @@ from woz_tui.bml.bml_block import (
     SyncRef,
     read_block,
 )
-from woz_tui.bus.bus import Bus
-from woz_tui.bus.hub import Hub
-from woz_tui.config.bml_section import robot_calls
-from woz_tui.config.experiment import Call, Experiment
-from woz_tui.config.file_text import SourceFileError, read_source
-from woz_tui.config.performers import BML, PERFORMERS
-from woz_tui.drivers.contract import Driver, Forecast, Job, Performer, RejectedError, Scope
+from woz_tui.features.blocks.kinds import BML, BlockPlanned, BlockPrediction, BlockTrouble
+from woz_tui.features.blocks.section import BLOCKS, robot_calls
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS, weakest
 from woz_tui.protocol.messages import Json
-from woz_tui.protocol.refusal import Refusal, RequestError
-from woz_tui.session.action_runner import ActionRunner
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.prediction import forecast
-from woz_tui.timeline.session_state import SessionState
+from woz_tui.session.session_features import FeatureSession, PerformingFeature
 
 #: Whose blocks are a guest's.
 GUEST = "program"
@@ -91,41 +89,15 @@ class _Played:
         return self.request.console if self.is_guest else "", self.block.id
 
 
-class BmlPlayer(Performer):
-    """The performer of the verb `bml`.
+class BmlPlayer(PerformingFeature):
+    """The performer of the verb `bml`."""
 
-    Args:
-        hub: Where everything is published.
-        state: What goes on.
-        drivers: By name; they foretell how long something takes.
-        read: The experiment as it is now.
-        catalogue: Driver classes by type.
-        refusal: Why a guest may not send a verb at the moment; None: it may.
-    """
+    verbs = BLOCKS.verbs
 
-    #: What a block consists of goes through these; set once they are there.
-    bus: Bus
-    runner: ActionRunner
-
-    def __init__(
-        self,
-        hub: Hub,
-        state: SessionState,
-        drivers: Mapping[str, Driver],
-        *,
-        read: Callable[[], Experiment],
-        catalogue: Mapping[str, type[Driver]],
-        refusal: Callable[[Call, RequestOrigin], Refusal | None],
-    ) -> None:
-        self._hub = hub
-        self._state = state
-        self._drivers = drivers
-        self._read = read
-        self._catalogue = catalogue
-        self._refusal = refusal
+    def __init__(self, session: FeatureSession) -> None:
+        super().__init__(session)
         #: Those under way, and the last of those that are over; as they came.
         self._blocks: list[_Played] = []
-        hub.listen(self._on_message, m.Command)
 
     @property
     def _under_way(self) -> list[_Played]:
@@ -136,7 +108,7 @@ class BmlPlayer(Performer):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Play a block, to its end."""
-        request = self._state.commands[job.command].request
+        request = self.session.state.commands[job.command].request
         block = self._block(job.args)
         played = _Played(request, block)
         before = self._admit(played)
@@ -159,13 +131,12 @@ class BmlPlayer(Performer):
     async def stop(self, scope: Scope) -> None:
         """What a block consists of are commands that are stopped by themselves."""
 
-    async def foretell(self, args: Mapping[str, Json]) -> m.BlockPlanned:
-        """What a block would do if it began now. Raises `RejectedError`."""
-        return (await self._plan(self._block(args))).message()
+    async def foretell(self, verb: str, args: Mapping[str, Json]) -> BlockPrediction:
+        block = (await self._plan(self._block(args))).message()
+        return BlockPrediction(duration_us=block.duration_us, commands=[], block=block)
 
     async def predict(self, verb: str, args: Mapping[str, Json]) -> Forecast:
-        """The same as of a driver's command. Raises `RejectedError`."""
-        planned = await self.foretell(args)
+        planned = (await self.foretell(verb, args)).block
         marks = [
             (at / 1e6, "sync", f"{behaviour.id}:{point}")
             for behaviour in planned.behaviours
@@ -178,7 +149,7 @@ class BmlPlayer(Performer):
         cannot be played.
         """
         try:
-            block = read_block(self._read().blocks[file])
+            block = read_block(BLOCKS.of(self.session.experiment).texts[file])
             made = plan(block, self._calls_of(block.character))
         except (BmlError, KeyError):
             return []
@@ -190,7 +161,7 @@ class BmlPlayer(Performer):
         return [call for _, call in sorted(found, key=lambda each: each[0])]
 
     def lose(self, console: str) -> None:
-        """The connection of a guest has ended: its blocks do."""
+        """A guest's blocks end with its connection."""
         for played in self._under_way:
             if played.is_guest and played.request.console == console:
                 self._cut(played, "the program that asked for it has gone")
@@ -234,7 +205,7 @@ class BmlPlayer(Performer):
         return []
 
     def _cut(self, played: _Played, reason: str) -> None:
-        self.runner.cancel(played.request.run or played.request.command, reason)
+        self.session.runner.cancel(played.request.run or played.request.command, reason)
 
     async def _plan(self, block: BmlBlock) -> BlockPlan:
         try:
@@ -244,8 +215,8 @@ class BmlPlayer(Performer):
                 try:
                     forecasts[name] = await forecast(
                         Call(call.verb, call.args, call.driver),
-                        self.bus.verb(call.driver, call.verb),
-                        self._drivers,
+                        self.session.bus.verb(call.driver, call.verb),
+                        self.session.drivers,
                     )
                 except RequestError as error:
                     forecasts[name] = UnplayableError(str(error), "IMPOSSIBLE_TO_SCHEDULE")
@@ -268,22 +239,22 @@ class BmlPlayer(Performer):
 
     def _calls_of(self, character: str) -> BehaviourCalls:
         """What behaviours stand for on the robot that a block names. Raises `BmlError`."""
-        experiment = self._read()
+        experiment = self.session.experiment
         return robot_calls(
             experiment.drivers,
-            experiment.bml,
-            self._catalogue,
+            BLOCKS.of(experiment).tables,
+            self.session.catalogue,
             experiment.path.parent,
             character,
-            offered=lambda spec: self.bus.verbs[spec.name].values(),
+            offered=lambda spec: self.session.bus.verbs[spec.name].values(),
         )
 
     def _text_of(self, file: str) -> str:
         """What a file with a block holds, as it was read with the experiment if it was. Raises
         `SourceFileError`.
         """
-        experiment = self._read()
-        if (text := experiment.blocks.get(file)) is not None:
+        experiment = self.session.experiment
+        if (text := BLOCKS.of(experiment).texts.get(file)) is not None:
             return text
         return read_source(experiment.path.parent / Path(file).expanduser(), file).text
 
@@ -296,7 +267,7 @@ class BmlPlayer(Performer):
         begin_us = round(played.begin * 1e6)
         request = played.request
         planned = played.plan.message(request.command, BML, begin_us)
-        self._hub.publish(_telling(planned, request))
+        self.session.hub.publish(_telling(planned, request))
         job.expects(made.seconds + LEAD_S)
         await self._until(played.begin)
         job.mark("sync")
@@ -364,21 +335,21 @@ class BmlPlayer(Performer):
         refusal = None
         if played.is_guest:
             origin = RequestOrigin(request.source, request.key, request.console)
-            refusal = self._refusal(part, origin)
+            refusal = self.session.why_no_verb(part, origin)
         ended: asyncio.Future[m.End] = asyncio.get_running_loop().create_future()
 
         def end(message: m.End) -> None:
             if not ended.done():
                 ended.set_result(message)
 
-        runner = self.runner
+        runner = self.session.runner
         command = runner.send_part(request, part, when_busy, refusal, end)
         try:
             over = await ended
         except asyncio.CancelledError:
             runner.cancel(command, f"block {played.block.id} was ended")
             raise
-        stopped = isinstance(over, m.Stopped) and self.bus.latched  # so is the whole block
+        stopped = isinstance(over, m.Stopped) and self.session.bus.latched  # so is the whole block
         if not isinstance(over, m.Done) and not stopped:
             raise _BehaviourError(f"{over.driver}: {over.reason}".strip(": "))
         if isinstance(over, m.Done):
@@ -394,9 +365,9 @@ class BmlPlayer(Performer):
     def _trouble(self, played: _Played, name: str, reason: str) -> None:
         problem = problem_of(BmlWarning("IMPOSSIBLE_TO_SCHEDULE", reason, (name,)))
         request = played.request
-        self._hub.publish(
+        self.session.hub.publish(
             _telling(
-                m.BlockTrouble(
+                BlockTrouble(
                     command=request.command, driver=BML, block=played.block.id, problem=problem
                 ),
                 request,
@@ -409,7 +380,7 @@ class BmlPlayer(Performer):
         """What the wizard does now comes before what a block still has to do in the same lane, and
         before what a guest's block does there.
         """
-        if message.driver in PERFORMERS or message.source not in HANDS or message.source == GUEST:
+        if message.driver in performers() or message.source not in HANDS or message.source == GUEST:
             return
         run = message.run or message.command
         for played in self._under_way:
@@ -420,7 +391,7 @@ class BmlPlayer(Performer):
         if (calls := played.calls) is None:
             return  # nothing of it has begun
         assert played.plan is not None
-        verb = self.bus.verb(message.driver, message.verb)
+        verb = self.session.bus.verb(message.driver, message.verb)
         lane = (message.driver, "" if verb is None else verb.lane)
         why = f'replaced by "{message.action or message.verb}"'
         for name, task in played.tasks.items():
@@ -434,16 +405,18 @@ class BmlPlayer(Performer):
                 played.dropped |= left
                 self._trouble(played, name, why)
 
+    hears: ClassVar = {m.Command: _on_message}
+
     # -- time --------------------------------------------------------------------------------------
 
     def _now(self) -> float:
-        return self._hub.now() / 1e6
+        return self.session.hub.now() / 1e6
 
     async def _until(self, moment: float) -> None:
         await asyncio.sleep(max(0.0, moment - self._now()))
 
 
-M = TypeVar("M", m.BlockPlanned, m.BlockTrouble)
+M = TypeVar("M", BlockPlanned, BlockTrouble)
 
 
 def _telling(message: M, request: m.Command) -> M:

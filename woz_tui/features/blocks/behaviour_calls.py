@@ -10,11 +10,11 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
-from woz_tui.bml.bml_block import Behaviour, WarningKind
-from woz_tui.bml.ros_data import RosDataError, RosValue, read_data
+from woz_tui.bridge.ros_data import RosDataError, read_data
+from woz_tui.bridge.topic_table import TopicTable
 from woz_tui.drivers.contract import Argument, Verb
+from woz_tui.features.blocks.bml_block import Behaviour, WarningKind
 from woz_tui.protocol.envelope import Json
 
 #: Lexeme of a head movement or a gesture -> what robots play for it, the best first. The lexeme
@@ -148,26 +148,6 @@ class TableCall:
 
 
 @dataclass(frozen=True, slots=True)
-class VerbWithArgs:
-    """What is called."""
-
-    verb: str
-    args: Mapping[str, Json]
-
-
-class RobotTopics(Protocol):
-    """What messages on the topics of a robot's own software stand for (`config.topic_table`)."""
-
-    def calls(self, topic: str, message: Mapping[str, RosValue]) -> list[VerbWithArgs]:
-        """The verbs of a single message. Raises `RosDataError`."""
-
-    def look(self, x: float, y: float, *, eyes: bool = False) -> VerbWithArgs | None:
-        """The verb that looks at a place of the camera's picture, each from -1 (left, top) to 1;
-        `eyes`: with these alone.
-        """
-
-
-@dataclass(frozen=True, slots=True)
 class BmlTable:
     """The section `bml` of a robot file.
 
@@ -179,7 +159,7 @@ class BmlTable:
     calls: Mapping[str, Mapping[str, tuple[TableCall, ...]]] = field(default_factory=dict)
     targets: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     moves: Mapping[str, str] = field(default_factory=dict)
-    topics: RobotTopics | None = None
+    topics: TopicTable | None = None
 
 
 #: Whether a driver finds nothing wrong with a verb and its arguments, as far as can be said.
@@ -457,7 +437,7 @@ class BehaviourCalls:
             raise UnplayableError(str(error), "PARSING_FAILURE") from error
         return [self._call(each.verb, each.args) for each in found]
 
-    def _topics(self) -> RobotTopics:
+    def _topics(self) -> TopicTable:
         if self._table.topics is None:
             raise UnplayableError("the robot file names no table of topics (bml: {topics: FILE})")
         return self._table.topics

@@ -11,26 +11,26 @@ from pathlib import Path
 
 from rich.table import Table
 
-from woz_tui.bml.behaviour_calls import BehaviourCalls
-from woz_tui.bml.block_plan import plan
-from woz_tui.bml.bml_block import BmlBlock, BmlError, read_block
-from woz_tui.bml.realizer import BmlRealizer, Feedback
-from woz_tui.bml.stomp_connection import StompError
-from woz_tui.bml.stomp_planner import PlannerTopics, StompPlanner
-from woz_tui.bml.tcp_planner import PlannerPortError, PlannerPorts, TcpPlanner
+from woz_tui.bridge.stomp_connection import StompError
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.cli.stomp_options import add_broker, broker_place
 from woz_tui.client import WozError, connect
-from woz_tui.config.bml_section import robot_calls
 from woz_tui.config.bundled_files import is_path, robot_files
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.file_text import SourceFileError, read_source
 from woz_tui.config.loading import load_robot_file
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
-from woz_tui.protocol.messages import BlockPlanned, PlannedBehaviour
+from woz_tui.features.blocks.behaviour_calls import BehaviourCalls
+from woz_tui.features.blocks.block_plan import plan
+from woz_tui.features.blocks.bml_block import BmlBlock, BmlError, read_block
+from woz_tui.features.blocks.kinds import BlockPlanned, PlannedBehaviour
+from woz_tui.features.blocks.realizer import BmlRealizer, Feedback
+from woz_tui.features.blocks.section import BLOCKS, BlockReader
+from woz_tui.features.blocks.stomp_planner import PlannerTopics, StompPlanner
+from woz_tui.features.blocks.tcp_planner import PlannerPortError, PlannerPorts, TcpPlanner
 
 _port = number(1, 0xFFFF, whole=True)
 #: The widest picture, in columns.
@@ -204,15 +204,13 @@ def _calls_of(robot: str, folder: Path) -> Callable[[str], BehaviourCalls]:
     """What behaviours stand for on a robot: its file, or its name, which is looked for in `robots`
     of `folder` and of woz-tui.
     """
-    catalogue = plugins.installed()
     file = Path(robot) if is_path(robot) else robot_files(folder).get(robot)
     if file is None:
         known = ", ".join(robot_files(folder))
         raise ValueError(f"there is no robot {robot!r}; robots are {known}, or name a robot file")
-    read = load_robot_file(file, catalogue)
-    return lambda character: robot_calls(
-        read.drivers, read.bml, catalogue, file.absolute().parent, character
-    )
+    read = load_robot_file(file, plugins.installed()).sections[BLOCKS]
+    assert isinstance(read, BlockReader)
+    return read.calls
 
 
 def _print(path: Path, plan: BlockPlanned, robot: str) -> None:

@@ -12,23 +12,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.bml.hostile_input import HostileBlock, hostile_frames
 from tests.fakes.stomp_broker import StompBroker
+from tests.features.blocks.hostile_input import HostileBlock, hostile_frames
 from tests.host.rig import served_session
 from tests.session.rig import ScriptedDriver
-from woz_tui.bml.behaviour_calls import BehaviourCalls
-from woz_tui.bml.block_plan import plan
-from woz_tui.bml.bml_block import MOST_SHOWN, BmlError, read_block
-from woz_tui.bml.realizer import BmlRealizer, Feedback
-from woz_tui.bml.stomp_connection import (
+from woz_tui.bridge.stomp_connection import (
     LONGEST_HEADERS,
     StompError,
     StompPlace,
     connect_stomp,
     read_frame,
 )
-from woz_tui.bml.xml_elements import XmlElements, XmlElementsError
+from woz_tui.bridge.xml_elements import XmlElements, XmlElementsError
 from woz_tui.client import connect
+from woz_tui.features.blocks.behaviour_calls import BehaviourCalls
+from woz_tui.features.blocks.block_plan import plan
+from woz_tui.features.blocks.bml_block import MOST_SHOWN, BmlError, read_block
+from woz_tui.features.blocks.realizer import BmlRealizer, Feedback
 from woz_tui.testing import until
 
 PATIENCE_S = 40.0

@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 
 from tests.fakes.stomp_broker import StompBroker
 from tests.host.rig import ServedSession, served_session
-from woz_tui.bml.bml_block import EYEPI
-from woz_tui.bml.stomp_connection import (
+from woz_tui.bridge.stomp_connection import (
     StompError,
     StompFrame,
     StompPlace,
@@ -25,8 +24,9 @@ from woz_tui.bml.stomp_connection import (
     connect_stomp,
     read_frame,
 )
-from woz_tui.bml.stomp_planner import PlannerTopics, StompPlanner
 from woz_tui.client import connect
+from woz_tui.features.blocks.bml_block import EYEPI
+from woz_tui.features.blocks.stomp_planner import PlannerTopics, StompPlanner
 from woz_tui.testing import until
 
 PATIENCE_S = 40.0
@@ -133,7 +133,7 @@ async def test_what_is_no_broker_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
         place = StompPlace("127.0.0.1", broker.port)
     with pytest.raises(StompError, match="cannot be reached"):
         await connect_stomp(place)
-    monkeypatch.setattr("woz_tui.bml.stomp_connection._CONNECT_S", 0.1)
+    monkeypatch.setattr("woz_tui.bridge.stomp_connection._CONNECT_S", 0.1)
     async with StompBroker() as broker:
         broker.silent = True
         with pytest.raises(StompError, match="does not answer"):

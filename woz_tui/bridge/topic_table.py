@@ -19,8 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from woz_tui.bml.behaviour_calls import VerbWithArgs
-from woz_tui.bml.ros_data import EMPTY, RosDataError, RosType, RosValue, typed
+from woz_tui.bridge.ros_data import EMPTY, RosDataError, RosType, RosValue, typed
 from woz_tui.config.annotated_decoder import read_section
 from woz_tui.config.bundled_files import bundled_file, is_path
 from woz_tui.config.file_position import ExperimentError
@@ -47,6 +46,14 @@ _ANSWERS: Mapping[str, Mapping[str, RosType]] = {
     "prediction": {"id": "str", "duration": "float", "stroke": "float"},
     "gaze": {"x": "float", "y": "float"},
 }
+
+
+@dataclass(frozen=True, slots=True)
+class VerbWithArgs:
+    """What is called."""
+
+    verb: str
+    args: Mapping[str, Json]
 
 
 @dataclass(frozen=True, slots=True)

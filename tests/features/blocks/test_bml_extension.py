@@ -11,15 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.bridge.rig import CATALOGUE, EXPERIMENT, bridged, eyepi
-from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError
-from woz_tui.bml.bml_block import Behaviour, read_block
-from woz_tui.bml.realizer import BmlRealizer, Feedback
-from woz_tui.bml.ros_data import RosDataError
+from woz_tui.bridge.ros_data import RosDataError
+from woz_tui.bridge.topic_table import load_table
 from woz_tui.client import connect
-from woz_tui.config.bml_section import robot_calls
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
-from woz_tui.config.topic_table import load_table
+from woz_tui.features.blocks.behaviour_calls import BehaviourCalls, UnplayableError
+from woz_tui.features.blocks.bml_block import Behaviour, read_block
+from woz_tui.features.blocks.realizer import BmlRealizer, Feedback
+from woz_tui.features.blocks.section import BLOCKS, robot_calls
 from woz_tui.protocol.messages import Json
 
 BLOCK = (
@@ -39,7 +39,9 @@ def behaviour(inner: str) -> Behaviour:
 def calls() -> BehaviourCalls:
     """What behaviours stand for on EyePi."""
     experiment, _ = eyepi()
-    return robot_calls(experiment.drivers, experiment.bml, CATALOGUE, EXPERIMENT.parent)
+    return robot_calls(
+        experiment.drivers, BLOCKS.of(experiment).tables, CATALOGUE, EXPERIMENT.parent
+    )
 
 
 def played_verbs(inner: str) -> list[tuple[str, str, str, dict[str, Json]]]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Final, Literal
 from xml.etree import ElementTree as Xml
 
-from woz_tui.bml.xml_elements import parse_xml
+from woz_tui.bridge.xml_elements import parse_xml
 
 NAMESPACE: Final = "http://www.bml-initiative.org/bml/bml-1.0"
 #: More behaviours and constraints than these are refused.

@@ -11,9 +11,9 @@ import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from woz_tui.bml.realizer import BmlRealizer, Feedback
-from woz_tui.bml.xml_elements import XmlElements, XmlElementsError
+from woz_tui.bridge.xml_elements import XmlElements, XmlElementsError
 from woz_tui.client import WozClient
+from woz_tui.features.blocks.realizer import BmlRealizer, Feedback
 from woz_tui.system.retry_pauses import RetryPauses
 
 #: Without encryption, so for this machine alone.

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Final
 from xml.etree import ElementTree as Xml
 
-from woz_tui.bml.xml_elements import parse_xml
+from woz_tui.bridge.xml_elements import parse_xml
 
 #: Deeper nesting is refused.
 DEEPEST: Final = 16

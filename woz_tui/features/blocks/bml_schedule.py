@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from woz_tui.bml.bml_block import (
+from woz_tui.features.blocks.bml_block import (
     Behaviour,
     BmlBlock,
     BmlError,
@@ -18,7 +18,7 @@ from woz_tui.bml.bml_block import (
     SyncRef,
     TimeConstraint,
 )
-from woz_tui.bml.time_network import EPSILON, TimeNetwork, TimeNetworkError
+from woz_tui.features.blocks.time_network import EPSILON, TimeNetwork, TimeNetworkError
 
 Moment = tuple[str, str]
 #: The block's start.

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from urllib.parse import quote_plus, unquote_plus
 
-from woz_tui.bml.realizer import BmlRealizer, Feedback
-from woz_tui.bml.stomp_connection import StompConnection, StompPlace, stay_connected
+from woz_tui.bridge.stomp_connection import StompConnection, StompPlace, stay_connected
 from woz_tui.client import WozClient
+from woz_tui.features.blocks.realizer import BmlRealizer, Feedback
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from textwrap import shorten
 
-from woz_tui.bml.behaviour_calls import BehaviourCalls, UnplayableError, VerbCall
-from woz_tui.bml.bml_block import Behaviour, BmlBlock, BmlError, BmlWarning, SyncRef
-from woz_tui.bml.bml_schedule import (
+from woz_tui.drivers.contract import Forecast
+from woz_tui.features.blocks.behaviour_calls import BehaviourCalls, UnplayableError, VerbCall
+from woz_tui.features.blocks.bml_block import Behaviour, BmlBlock, BmlError, BmlWarning, SyncRef
+from woz_tui.features.blocks.bml_schedule import (
     BehaviourTiming,
     BlockSchedule,
     no_other_block,
@@ -18,8 +19,7 @@ from woz_tui.bml.bml_schedule import (
     typical_timing,
     without_behaviour,
 )
-from woz_tui.drivers.contract import Forecast
-from woz_tui.protocol.messages import BlockPlanned, BlockProblem, PlannedBehaviour
+from woz_tui.features.blocks.kinds import BlockPlanned, BlockProblem, PlannedBehaviour
 
 #: What a robot foretells of each behaviour, by its id, or why it would refuse it.
 Forecasts = Mapping[str, Forecast | UnplayableError]

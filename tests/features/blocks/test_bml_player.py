@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,14 +11,17 @@ import pytest
 
 from tests.session.rig import HERE, SessionRig, action, call, experiment, together
 from tests.session.test_superseding import LaneDriver
-from woz_tui.bml.behaviour_calls import BmlTable, TableCall
-from woz_tui.config.experiment import Action, Panel, TextVariants
-from woz_tui.drivers.contract import RejectedError
+from woz_tui.config.experiment import Action, Call, Panel, TextVariants
+from woz_tui.features.blocks.behaviour_calls import BmlTable, TableCall
+from woz_tui.features.blocks.kinds import BlockPlanned, BlockPrediction, BlockTrouble
+from woz_tui.features.blocks.section import BLOCKS, FileBlocks
 from woz_tui.features.profiles.in_session import ProfileInUse
 from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.features.repairs.section import INTERRUPT, LABELS, PANEL
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.welcome import StudySettings
 from woz_tui.session.redactor import Redactor
 from woz_tui.timeline.episodes import ActionEpisode, CommandEpisode
@@ -41,12 +44,17 @@ ACTIONS = (
 Scene = Callable[[SessionRig], Awaitable[None]]
 
 
+def on_file(block: str) -> Mapping[object, FileBlocks]:
+    """What an experiment has whose actions name this block."""
+    return {BLOCKS: FileBlocks(texts={"greet.xml": block})}
+
+
 def scene(tmp_path: Path, play: Scene, actions: Sequence[Action] = ACTIONS) -> SessionRig:
     """A session whose speeches, moves and looks take a second each."""
     made = experiment(tmp_path)
     spec = replace(made.drivers[0], offer=LaneDriver.offer(None))
     panels = (Panel("All", tuple(actions), spec.place),)
-    made = replace(made, drivers=(spec,), panels=panels, blocks={"greet.xml": GREET})
+    made = replace(made, drivers=(spec,), panels=panels, sections=on_file(GREET))
     return SessionRig(tmp_path, catalogue={"puppet": LaneDriver}, made=made).run(play, 20)
 
 
@@ -77,7 +85,7 @@ def block_ends(rig: SessionRig) -> list[m.End]:
 
 def trouble(rig: SessionRig) -> dict[str, str]:
     """Which behaviours did not go as planned, and why."""
-    found = (line.problem for line in rig.of(m.BlockTrouble))
+    found = (line.problem for line in rig.of(BlockTrouble))
     return {problem.about: problem.text for problem in found}
 
 
@@ -99,7 +107,7 @@ def test_a_block_on_a_key_is_an_action_like_any_other(tmp_path: Path) -> None:
     assert greet.outcome == "done"
     assert len(greet.commands) == 4
     block, *parts = sorted(timeline.of(CommandEpisode), key=lambda each: each.seq)
-    assert block.planned is not None
+    assert isinstance(block.planned, BlockPlanned)
     assert [each.id for each in block.planned.behaviours] == ["s", "n", "t"]
     assert {part.request.run for part in parts} == {greet.request.run}
     assert {part.request.source for part in parts} == {"key"}
@@ -157,7 +165,7 @@ def test_the_times_of_a_block_are_found_while_its_next_one_waits(tmp_path: Path)
         await planner((0.5, '<bml id="b"><wait id="w" start="greet:t:end"/></bml>'))(rig)
 
     rig = scene(tmp_path, play)
-    planned = rig.of(m.BlockPlanned)[1]
+    planned = rig.of(BlockPlanned)[1]
     assert planned.block == "b"
     assert planned.behaviours[0].points["start"] == pytest.approx(4.1e6, abs=2e5)
 
@@ -204,7 +212,7 @@ def test_what_the_wizards_own_block_would_take_back_later_gives_way(tmp_path: Pa
     gaze = '<bml id="look"><gaze id="g" target="left" start="0" ready="1" relax="6" end="8"/></bml>'
 
     async def play(rig: SessionRig) -> None:
-        rig.session.experiment = replace(rig.session.experiment, blocks={"greet.xml": gaze})
+        rig.session.experiment = replace(rig.session.experiment, sections=on_file(gaze))
         rig.session.play("Greet", KEY)
         await asyncio.sleep(3)
         rig.session.send("gaze", {"yaw": -30.0}, "", KEY)
@@ -248,7 +256,8 @@ def test_calls_of_one_moment_begin_in_the_order_of_the_table(tmp_path: Path) -> 
     dance = '<bml id="b"><gesture id="d" lexeme="DANCE" start="1.3" end="9"/></bml>'
 
     async def play(rig: SessionRig) -> None:
-        rig.session.experiment = replace(rig.session.experiment, bml={"": table})
+        tables: dict[object, FileBlocks] = {BLOCKS: FileBlocks(tables={"": table})}
+        rig.session.experiment = replace(rig.session.experiment, sections=tables)
         await planner((0, dance))(rig)
 
     rig = scene(tmp_path, play)
@@ -317,7 +326,7 @@ def test_a_block_is_cut_by_its_id_as_every_command(tmp_path: Path) -> None:
     async def play(rig: SessionRig) -> None:
         await planner((0, GREET), (0, GREET.replace("greet", "other").replace("Hello", "Hi")))(rig)
         await asyncio.sleep(0.5)
-        blocks = rig.of(m.BlockPlanned)
+        blocks = rig.of(BlockPlanned)
         rig.session.cancel(blocks[0].command)
 
     rig = scene(tmp_path, play)
@@ -326,12 +335,19 @@ def test_a_block_is_cut_by_its_id_as_every_command(tmp_path: Path) -> None:
     assert "Hi you." in done_calls(rig)
 
 
+async def predicted(rig: SessionRig, args: Mapping[str, Json]) -> BlockPlanned:
+    """What a block would do."""
+    made = await rig.session.predict_verb(Call("bml", args, ""), lambda call: False)
+    assert isinstance(made, BlockPrediction)
+    return made.block
+
+
 def test_what_cannot_be_played_is_refused_and_foretold(tmp_path: Path) -> None:
     required = '<bml id="r"><required><gaze id="g" target="moon"/></required></bml>'
 
     async def play(rig: SessionRig) -> None:
         await planner((0, "<bml"), (0, required))(rig)
-        block = await rig.session.blocks.foretell({"block": GREET})
+        block = await predicted(rig, {"block": GREET})
         assert block.duration_us > 4_000_000
         assert [each.does for each in block.behaviours] == [
             "say Hello you.",
@@ -339,8 +355,8 @@ def test_what_cannot_be_played_is_refused_and_foretold(tmp_path: Path) -> None:
             "say Goodbye.",
         ]
         for args in ({}, {"file": "greet.xml", "block": GREET}):
-            with pytest.raises(RejectedError):
-                await rig.session.blocks.foretell(args)
+            with pytest.raises(RequestError):
+                await predicted(rig, args)
         foretold = await rig.session.predict_action("Greet", lambda call: False)
         [command] = foretold.commands
         assert command.duration_us == foretold.duration_us == block.duration_us
@@ -367,4 +383,4 @@ def test_a_block_that_tells_the_condition_is_kept_from_who_is_blind(tmp_path: Pa
     words = " ".join(map(repr, seen))
     for tells in ("greet.xml", "Hello", "Goodbye", "nod"):
         assert tells not in words
-    assert not any(isinstance(line, m.BlockPlanned | m.CommandMark) for line in seen)
+    assert not any(isinstance(line, BlockPlanned | m.CommandMark) for line in seen)

@@ -18,7 +18,8 @@ from woz_tui.config.engagement_section import ENTERED
 from woz_tui.config.engagement_words import SIGNS
 from woz_tui.config.json_schema import experiment_schema
 from woz_tui.config.session_verbs import WAIT, session_verbs
-from woz_tui.features.blocks.section import BML_VERB, KEYS, TOPICS, TOPICS_WORDS
+from woz_tui.features.blocks.robot_tables import KEYS, TOPICS, TOPICS_WORDS
+from woz_tui.features.blocks.section import BML_VERB
 
 #: Whose examples come first: what is read most.
 FIRST = ("interview.yaml", "study.yaml", "demo.yaml", "guide.yaml")

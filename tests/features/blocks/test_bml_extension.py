@@ -19,7 +19,8 @@ from woz_tui.config.loading import load
 from woz_tui.features.blocks.behaviour_calls import BehaviourCalls, UnplayableError
 from woz_tui.features.blocks.bml_block import Behaviour, read_block
 from woz_tui.features.blocks.realizer import BmlRealizer, Feedback
-from woz_tui.features.blocks.section import BLOCKS, robot_calls
+from woz_tui.features.blocks.robot_tables import robot_calls
+from woz_tui.features.blocks.section import BLOCKS
 from woz_tui.protocol.messages import Json
 
 BLOCK = (

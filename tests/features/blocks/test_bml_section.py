@@ -15,7 +15,8 @@ from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.plugins import installed
 from woz_tui.features.blocks.behaviour_calls import UnplayableError
 from woz_tui.features.blocks.bml_block import Behaviour
-from woz_tui.features.blocks.section import BLOCKS, BlockReader, robot_calls
+from woz_tui.features.blocks.robot_tables import robot_calls
+from woz_tui.features.blocks.section import BLOCKS, BlockReader
 
 #: A file whose robot has the section `bml`.
 HEAD = "title: T\nrobot: {drivers: {robot: {type: simulated}}, bml: %s}\n"

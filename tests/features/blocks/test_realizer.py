@@ -188,7 +188,7 @@ async def test_two_blocks_of_one_name_and_what_is_none_are_refused(planner: Plan
 async def test_a_block_under_way_is_not_forgotten_over_many_others(
     planner: Planner, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for place in ("in_session", "realizer"):
+    for place in ("player", "realizer"):
         monkeypatch.setattr(f"woz_tui.features.blocks.{place}.REMEMBERED", 1)
     await planner.realizer.perform(XML.format("long", "", '<wait id="w" end="999"/>'))
     for number in range(3):

@@ -12,7 +12,7 @@ class Blocks(Feature):
     robot_keys = ("bml",)
     command_words = "console:WORDS"
     console = "console:CONSOLE"
-    session = "in_session:BmlPlayer"
+    session = "in_session:BlockPerformer"
     history = "history:BlockHistory"
     figures = "figures:FIGURES"
     performer = PerformerName("bml", "who plays BML", composes=True)

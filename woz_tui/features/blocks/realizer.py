@@ -1,6 +1,6 @@
 """A planner's side of a session: blocks go in, BML's feedback comes out.
 
-The robot process plays them (`in_session`); this follows its messages.
+The robot process plays them (`player`); this follows its messages.
 """
 
 from __future__ import annotations

@@ -14,7 +14,6 @@ from tests.console.test_console_state import welcomed_state
 from tests.protocol.values import of
 from woz_tui.console.link.message_feed import Incoming
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.features.blocks.kinds import BlockProblem, PlannedBehaviour
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import PanelView
@@ -38,7 +37,6 @@ _SPECIAL: dict[str, st.SearchStrategy[object]] = {
     "state": st.sampled_from(["ok", "stale", "speaking", "odd"]),
     "scope": st.sampled_from(["all", "drive", "odd"]),
 }
-_problems = st.builds(BlockProblem, sort=texts, text=texts, about=names)
 #: By type: what another version may have written, as far as the codec lets it through.
 _SORTS: dict[object, st.SearchStrategy[object]] = {
     str: st.one_of(names, texts),
@@ -78,18 +76,6 @@ _SORTS: dict[object, st.SearchStrategy[object]] = {
         names, st.builds(m.SignShown, filter=texts), max_size=2
     ),
     list[PanelView]: st.just([]),
-    BlockProblem: _problems,
-    list[BlockProblem]: st.lists(_problems, max_size=2),
-    list[PlannedBehaviour]: st.lists(
-        st.builds(
-            PlannedBehaviour,
-            id=names,
-            sort=texts,
-            does=texts,
-            points=st.dictionaries(names, times, max_size=2),
-        ),
-        max_size=2,
-    ),
     list[m.SpokenWord]: st.lists(
         st.builds(m.SpokenWord, text=texts, began=times, ended=times), max_size=3
     ),

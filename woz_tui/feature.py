@@ -87,6 +87,8 @@ class Feature:
         name: Unique among all features; how errors call it.
         kinds: A `protocol.kinds.FeatureKinds`: its messages and requests. Its module may need the
             protocol and msgspec alone.
+        predictions: A mapping: by verb, what the reply to `predict` holds where that is more than a
+            `protocol.description.Prediction`.
         section: A `config.feature_section.FeatureSection`: its keys of the experiment file.
         words: Its section of the language files (`config.languages`).
         robot_keys: Keys of robot files that its section reads.
@@ -116,6 +118,7 @@ class Feature:
 
     name: ClassVar[str]
     kinds: ClassVar[str] = ""
+    predictions: ClassVar[str] = ""
     section: ClassVar[str] = ""
     words: ClassVar[str] = ""
     robot_keys: ClassVar[tuple[str, ...]] = ()

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 from woz_tui.analysis.feature_figures import ApartSession
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.participant_groups import GroupedSessions
-from woz_tui.analysis.report_tables import ReportTable
+from woz_tui.analysis.report_table import ReportTable
 from woz_tui.analysis.tables import FIGURES, TableDefinition
 from woz_tui.feature import pieces
 

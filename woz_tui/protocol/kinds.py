@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
+from typing import TYPE_CHECKING
 
 from woz_tui.feature import pieces
-from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.envelope import Answer, Message, RestrictedMessage
 from woz_tui.protocol.messages import MESSAGES
 from woz_tui.protocol.requests import ANSWERS, REQUESTS, Request
+
+if TYPE_CHECKING:  # a console needs none of it
+    from woz_tui.protocol.description import Prediction
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +23,6 @@ class FeatureKinds:
     `open`: those of its messages that tell nothing of the condition, the visitor or what somebody
     said. Any other reaches those alone who may know everything, unless it is a `RestrictedMessage`,
     which says itself what it tells. `unlisted`: those of which no list of events has a line.
-    `predictions`: by verb, what replies to `predict` hold where that is more than others'.
     """
 
     messages: tuple[type[Message], ...] = ()
@@ -28,7 +30,6 @@ class FeatureKinds:
     answers: tuple[type[Answer], ...] = ()
     open: tuple[type[Message], ...] = ()
     unlisted: tuple[type[Message], ...] = ()
-    predictions: Mapping[str, type[Prediction]] = field(default_factory=dict)
 
 
 @cache
@@ -73,5 +74,6 @@ def unlisted_kinds() -> tuple[type[Message], ...]:
 @cache
 def prediction_kinds() -> Mapping[str, type[Prediction]]:
     """What replies to `predict` hold where that is more than a `Prediction`, by verb."""
-    of_features = pieces("kinds", FeatureKinds).values()
-    return {verb: kind for each in of_features for verb, kind in each.predictions.items()}
+    return {
+        verb: kind for each in pieces("predictions", dict).values() for verb, kind in each.items()
+    }

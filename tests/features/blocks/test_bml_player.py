@@ -13,7 +13,8 @@ from tests.session.rig import HERE, SessionRig, action, call, experiment, togeth
 from tests.session.test_superseding import LaneDriver
 from woz_tui.config.experiment import Action, Call, Panel, TextVariants
 from woz_tui.features.blocks.behaviour_calls import BmlTable, TableCall
-from woz_tui.features.blocks.kinds import BlockPlanned, BlockPrediction, BlockTrouble
+from woz_tui.features.blocks.kinds import BlockPlanned, BlockTrouble
+from woz_tui.features.blocks.prediction import BlockPrediction
 from woz_tui.features.blocks.section import BLOCKS, FileBlocks
 from woz_tui.features.profiles.in_session import ProfileInUse
 from woz_tui.features.profiles.section import PROFILES, Profile

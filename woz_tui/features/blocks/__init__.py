@@ -8,6 +8,7 @@ class Blocks(Feature):
 
     name = "blocks"
     kinds = "kinds:KINDS"
+    predictions = "prediction:PREDICTIONS"
     section = "section:BLOCKS"
     robot_keys = ("bml",)
     command_words = "console:WORDS"

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar
 
 from woz_tui.drivers.contract import Forecast, Job, Scope
-from woz_tui.features.blocks.kinds import BlockPrediction
+from woz_tui.features.blocks.prediction import BlockPrediction
 from woz_tui.features.blocks.section import BLOCKS
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json

@@ -5,7 +5,6 @@ from __future__ import annotations
 import msgspec
 
 from woz_tui.protocol.action_messages import Ack
-from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.kinds import FeatureKinds
 
 #: The name under which calls that play blocks are addressed, and their verb.
@@ -56,14 +55,4 @@ class BlockTrouble(Ack, frozen=True, kw_only=True, tag="bml.trouble"):
     problem: BlockProblem
 
 
-class BlockPrediction(Prediction, frozen=True, kw_only=True, omit_defaults=True):
-    """How a block would go: the `data` of the reply to `predict` with the verb `bml`."""
-
-    block: BlockPlanned
-
-
-KINDS = FeatureKinds(
-    messages=(BlockPlanned, BlockTrouble),
-    unlisted=(BlockPlanned,),
-    predictions={BML: BlockPrediction},
-)
+KINDS = FeatureKinds(messages=(BlockPlanned, BlockTrouble), unlisted=(BlockPlanned,))

@@ -14,7 +14,8 @@ from xml.sax.saxutils import escape, quoteattr
 
 from woz_tui.client import WozClient, WozError, WozRefusedError
 from woz_tui.features.blocks.bml_block import NAMESPACE, Behaviour, BmlError, read_block
-from woz_tui.features.blocks.kinds import BML, BlockPlanned, BlockPrediction, BlockTrouble
+from woz_tui.features.blocks.kinds import BML, BlockPlanned, BlockTrouble
+from woz_tui.features.blocks.prediction import BlockPrediction
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.system.tasks import end_tasks, until_first_ends

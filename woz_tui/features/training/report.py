@@ -8,7 +8,7 @@ from typing import Any
 from woz_tui.analysis.feature_figures import ApartSession
 from woz_tui.analysis.feature_report import FeatureReport, FigureTile
 from woz_tui.analysis.measures import seconds
-from woz_tui.analysis.report_tables import LogText, ReportTable
+from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.tables import SESSIONS, Column, TableDefinition, rounded
 from woz_tui.analysis.text_format import NONE, duration, percent
 from woz_tui.features.training.figures import TrainingFigures

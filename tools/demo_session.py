@@ -21,6 +21,7 @@ from tests.session.rig import SessionRig
 from tools import EXPERIMENTS
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver, DriverContext
+from woz_tui.features.phases.in_session import PhaseController
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.experiment_view import ExperimentView, plan_of
 from woz_tui.protocol import codec
@@ -120,7 +121,7 @@ def ticked(session: Session) -> None:
 INTERVIEW: tuple[Step, ...] = (
     (0.5, ticked),
     (1.0, lambda session: session.study.trial("begin", "")),
-    (3.0, lambda session: session.phase("Home", KEY)),
+    (3.0, lambda session: session.features.of(PhaseController).go_on("Home", KEY)),
     (15.0, space),
     (27.5, play("repair dont_know")),
     (32.0, space),

@@ -15,6 +15,7 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.config.new_experiment import TEMPLATES, every_line
 from woz_tui.drivers import plugins
+from woz_tui.features.phases.section import PHASES
 
 ROOT = Path(__file__).parents[2]
 
@@ -41,7 +42,7 @@ def test_every_template_is_right_without_a_warning(
     experiment = read_experiment(path)
     if "a, b, c" not in options:  # whose sentences are to be written
         assert experiment.warnings == ()
-    assert len(experiment.phases) == 3
+    assert len(PHASES.of(experiment)) == 3
     keys = [action.key for panel in experiment.panels for action in panel.actions]
     assert all(keys)
     assert len({*keys}) == len(keys)

@@ -15,6 +15,7 @@ from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS, by_key
 from woz_tui.console.input.keyboard import HELD_US, Keyboard
+from woz_tui.features.phases.kinds import AskPhase
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.system.clock import ManualClock
@@ -137,7 +138,7 @@ async def test_the_list_of_phases(size: tuple[int, int]) -> None:
         assert "after The ride" in drawn
         assert "planned 02:00" in drawn
         await pilot.press("enter")
-        asked = [each for each in pilot.feed.asked if isinstance(each, r.AskPhase)]
+        asked = [each for each in pilot.feed.asked if isinstance(each, AskPhase)]
         assert [(each.phase, each.source) for each in asked] == [("ride", "key")]
 
 
@@ -184,7 +185,7 @@ async def test_a_late_console_knows_the_phase() -> None:
         assert "Speech" not in pilot.text("ActionPanels")
 
 
-@pytest.mark.parametrize(("key", "kind"), [("space", r.AskScript), (")", r.AskPhase)])
+@pytest.mark.parametrize(("key", "kind"), [("space", r.AskScript), (")", AskPhase)])
 def test_a_held_key_counts_once(key: str, kind: type[r.Request]) -> None:
     feed, clock = StillFeed(), ManualClock()
     keyboard = Keyboard(feed, clock)

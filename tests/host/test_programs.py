@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,10 @@ import pytest
 
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.rig import HERE, ScriptedDriver, action, call, experiment, together
-from woz_tui.config.experiment import Experiment, Panel, Phase, SessionSettings
+from woz_tui.config.experiment import Experiment, Panel, SessionSettings
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.drivers.contract import Argument, Job, Offer, Verb
+from woz_tui.features.phases.section import PHASES, Phase
 from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.codec import decode_incoming
@@ -69,13 +70,19 @@ def limited(folder: Path) -> Experiment:
     made = experiment(folder)
     return replace(
         made,
-        sections={PROFILES: {"child": Profile(name="child", actions=frozenset({"Hello"}))}},
-        phases=(
-            Phase(name="opening", panels=("Base",), lock_others=True),
-            Phase(name="closing", panels=("Speech",), after=("opening",)),
-        ),
+        sections={
+            PROFILES: {"child": Profile(name="child", actions=frozenset({"Hello"}))},
+            PHASES: (
+                Phase(name="opening", panels=("Base",), lock_others=True),
+                Phase(name="closing", panels=("Speech",), after=("opening",)),
+            ),
+        },
         session=SessionSettings(),
     )
+
+
+def with_phases(made: Experiment, phases: Iterable[Phase]) -> Experiment:
+    return replace(made, sections={**made.sections, PHASES: tuple(phases)})
 
 
 @pytest.mark.parametrize(("kind", "fields", "says"), ASKED)
@@ -83,7 +90,7 @@ async def test_the_log_names_the_connection_of_everything_asked_for(
     tmp_path: Path, kind: str, fields: dict[str, Any], says: str
 ) -> None:
     made = limited(tmp_path)
-    made = replace(made, phases=tuple(replace(each, after=()) for each in reversed(made.phases)))
+    made = with_phases(made, [replace(each, after=()) for each in reversed(PHASES.of(made))])
     async with served_session(tmp_path, made=made) as host:
         peer = await program(host)
         reply = await peer.ask(kind, **fields)
@@ -110,7 +117,7 @@ async def test_a_program_is_the_source_of_what_it_asks_for_whatever_it_claims(
     tmp_path: Path, source: str
 ) -> None:
     made = limited(tmp_path)
-    made = replace(made, phases=tuple(replace(each, after=()) for each in made.phases))
+    made = with_phases(made, [replace(each, after=()) for each in PHASES.of(made)])
     async with served_session(tmp_path, made=made) as host:
         peer = await program(host)
         for kind, fields in (
@@ -191,7 +198,7 @@ async def test_a_program_gives_no_consent_whatever_it_claims(
 
 
 async def test_a_profile_binds_a_program(tmp_path: Path) -> None:
-    made = replace(limited(tmp_path), phases=())
+    made = with_phases(limited(tmp_path), ())
     async with served_session(tmp_path, made=made) as host:
         peer = await program(host)
         await peer.ask("profile", profile="child")

@@ -16,6 +16,7 @@ import msgspec
 from tests.protocol.feature_examples import feature_examples
 from tests.protocol.study_examples import BEGINNING, COURSE, FILE_SHA
 from woz_tui.features.blocks.kinds import BlockPlanned, BlockProblem, BlockTrouble, PlannedBehaviour
+from woz_tui.features.phases.kinds import AskPhase
 from woz_tui.features.profiles.kinds import AskProfile, ProfileChanged
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -423,8 +424,8 @@ REQUESTS: tuple[r.Request, ...] = (
     r.AskMistake(ref=15, run="a00001", text="too early"),
     r.AskLock(ref=16, panel="Drive", locked=False),
     AskProfile(ref=21, profile="child", source="palette"),
-    r.AskPhase(ref=36, phase="whales", source="palette"),
-    r.AskPhase(ref=37, source="key", key=")", age_us=4_000_000, stale=True),
+    AskPhase(ref=36, phase="whales", source="palette"),
+    AskPhase(ref=37, source="key", key=")", age_us=4_000_000, stale=True),
     r.AskReload(ref=17, dry_run=True),
     r.AskKeepTyped(ref=38, dry_run=True),
     r.AskPreflight(ref=18),

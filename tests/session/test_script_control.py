@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.session.rig import SessionRig, experiment
-from woz_tui.config.experiment import Phase
+from woz_tui.features.phases.in_session import PhaseController
+from woz_tui.features.phases.section import PHASES, Phase
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
@@ -34,7 +35,7 @@ def on_stage(
         rig.session.set(participant="P01")
         await scenario(rig)
 
-    made = replace(experiment(tmp_path), script=script, phases=phases)
+    made = replace(experiment(tmp_path), script=script, sections={PHASES: phases})
     return SessionRig(tmp_path, made=made).run(with_participant)
 
 
@@ -266,15 +267,15 @@ def test_each_phase_has_its_own_script(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
         session.play("Welcome", KEY)
-        session.phase("talk", KEY)
+        session.features.of(PhaseController).go_on("talk", KEY)
         assert (session.scripts.name, session.scripts.now.lines) == ("", LINES)
         session.play("Map", KEY)
         assert stands(rig) == (0, [3], "")
-        session.phase("opening", KEY)
+        session.features.of(PhaseController).go_on("opening", KEY)
         assert stands(rig) == (0, [1], "")
-        session.phase("end", KEY)
+        session.features.of(PhaseController).go_on("end", KEY)
         session.play("Hello", KEY)  # the key of another phase's line
-        session.phase("opening", KEY)
+        session.features.of(PhaseController).go_on("opening", KEY)
         assert stands(rig)[1] == [1]
         assert rig.session.state.scripts[""].played == [0, 3]
 
@@ -293,7 +294,7 @@ def test_how_a_line_ended_is_forgotten_when_a_phase_begins(tmp_path: Path) -> No
         session.cancel(run)  # before it began
         await asyncio.sleep(5)
         assert session.state.scripts["day"].halted
-        session.phase("day", KEY)
+        session.features.of(PhaseController).go_on("day", KEY)
         assert stands(rig) == (0, [], "")
         assert session.state.scripts["day"].halted == ""
 

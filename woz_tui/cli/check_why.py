@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 from rich.text import Text
 
-from woz_tui.config.experiment import Experiment, Phase
+from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.keys.keymap import actions_on
 from woz_tui.console.drawing.text_console import TextConsole
@@ -95,31 +95,35 @@ def _origin(moment: Moment) -> RequestOrigin:
 
 
 def _moments(experiment: Experiment) -> Iterator[Moment]:
-    """The beginning, as each part; then each phase, and what features know."""
-    first = experiment.first_phase
+    """The beginning, as each part; then what else can hold of features."""
+    sections = pieces("section", FeatureSection)
+    first = {
+        name: fact
+        for name, section in sections.items()
+        if (fact := section.at_first(experiment)) is not None
+    }
     for part in experiment.parts or [""]:
         when = f"{BEGINNING}, as {part}" if part else BEGINNING
         yield Moment(when, _facts(experiment, first, part), part)
-    for phase in experiment.phases:
-        if phase != first:
-            yield Moment(f"in the phase {phase.heading}", _facts(experiment, phase))
-    for name, section in pieces("section", FeatureSection).items():
+    for name, section in sections.items():
         for when, fact in section.moments(section.of(experiment)):
-            yield Moment(when, replace(_facts(experiment, first), features={name: fact}))
+            if fact != first.get(name):
+                yield Moment(when, _facts(experiment, {**first, name: fact}))
 
 
-def _facts(experiment: Experiment, phase: Phase | None, part: str = "") -> Facts:
-    """What holds while a phase does, and nobody has locked or unlocked anything by hand. `part`:
-    a wizard plays each part.
+def _facts(experiment: Experiment, features: Mapping[str, object], part: str = "") -> Facts:
+    """What holds while this does of features, and nobody has locked or unlocked anything by hand.
+    `part`: a wizard plays each part.
     """
-    by_phase = experiment.locked_by(phase)
+    sections = pieces("section", FeatureSection)
     locked = {panel.title: panel.locked for panel in experiment.panels}
+    for name, fact in features.items():
+        locked |= dict.fromkeys(sections[name].locks(fact), True)
     return Facts(
         panels=experiment.panels,
-        locked=locked | dict.fromkeys(by_phase, True),
-        phase=phase.heading if phase is not None else "",
-        locked_by_phase=by_phase - {title for title, own in locked.items() if own},
+        locked=locked,
         wizards={each: each for each in experiment.parts} if part else {},
+        features=features,
     )
 
 

@@ -8,10 +8,9 @@ import msgspec
 
 from woz_tui.analysis.text_format import counted
 from woz_tui.config.counterbalancing import Order, block_size, planned, rows
-from woz_tui.config.experiment import Experiment, Phase
-from woz_tui.config.feature_section import FeatureSection
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.feature_section import sections
 from woz_tui.config.study import Design
-from woz_tui.feature import pieces
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.welcome import Questionnaire
 from woz_tui.session.session_plan import study_settings
@@ -38,13 +37,11 @@ def study_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
         left = len(rows(study.design, conditions)) - _LISTED
         if left > 0:
             yield "", f"and {left} more: woz design"
-    for phase in experiment.phases:
-        yield "phase", _phase(phase, experiment)
     for questionnaire in study.questionnaires:
         yield questionnaire.name, _questionnaire(questionnaire)
     for check in study.preflight:
         yield "preflight", check
-    for section in pieces("section", FeatureSection).values():
+    for section in sections():
         yield from section.summary(section.of(experiment))
     for cue, names in study.answers.items():
         yield "answers", f"{cue}: {', '.join(names)}"
@@ -54,31 +51,19 @@ def study_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
         yield "blurred", ", ".join(study.perception.blur)
 
 
-def _phase(phase: Phase, experiment: Experiment) -> str:
-    after = [each.heading for each in experiment.phases if each.name in phase.after]
-    parts = [
-        f"after {' or '.join(after)}" if after else "",
-        f"{phase.planned / 60:g} min" if phase.planned else "",
-        f"panels {', '.join(phase.panels)}" if phase.panels else "all panels",
-        counted(len(phase.script), "line") if phase.script else "",
-    ]
-    return f"{phase.heading}: {'; '.join(part for part in parts if part)}"
-
-
 def as_json(experiment: Experiment) -> dict[str, Json]:
     """The study for programs: its sections, and the design's orders."""
     study = experiment.study
-    sections: dict[str, Json] = msgspec.to_builtins(study_settings(experiment))
+    found: dict[str, Json] = msgspec.to_builtins(study_settings(experiment))
     for now in ("assigned", "planned", "trial", "running", "on_break", "due"):
-        del sections[now]
-    sections["phases"] = msgspec.to_builtins(experiment.phases)
-    sections["preflight"] = [*study.preflight]
-    for section in pieces("section", FeatureSection).values():
-        sections |= section.as_json(section.of(experiment))
+        del found[now]
+    found["preflight"] = [*study.preflight]
+    for section in sections():
+        found |= section.as_json(section.of(experiment))
     if study.design is not None:
-        sections["orders"] = [[*order] for order in rows(study.design, experiment.conditions)]
-        sections["planned"] = planned(study.design, experiment.conditions)
-    return sections
+        found["orders"] = [[*order] for order in rows(study.design, experiment.conditions)]
+        found["planned"] = planned(study.design, experiment.conditions)
+    return found
 
 
 def design_sentence(design: Design, conditions: int) -> str:

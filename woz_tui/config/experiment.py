@@ -15,7 +15,7 @@ from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.file_position import NOWHERE, FilePosition, Problem
 from woz_tui.config.study import Study
 from woz_tui.drivers.contract import Offer
-from woz_tui.drivers.fields import Doc, Entry, NotBlank, OneOrMore, Range, Seconds, Unique
+from woz_tui.drivers.fields import Doc, Entry, NotBlank, Range, Seconds
 from woz_tui.network.listen_address import DRIVERS_LISTEN
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.welcome import STALE_S, QuestionnaireWords
@@ -185,40 +185,6 @@ class Panel:
 
 
 @dataclass(frozen=True, slots=True)
-class Phase(Entry):
-    """A part of a session or of a trial: what is in front in it, and what Space plays.
-
-    A panel that other phases name and this one does not is folded away; without `panels` all are
-    in front. Without a script of its own the experiment's goes on.
-    """
-
-    what = "a phase"
-    example = "{name: opening, panels: [...]}"
-    either = ("name", "title")
-    name: Annotated[str, NotBlank(), Doc("what logs and tables call it (default: the title)")] = ""
-    title: Annotated[str, NotBlank(), Doc("what the screen shows (default: the name)")] = ""
-    panels: Annotated[tuple[str, ...], Unique(), Doc("titles of the panels in front")] = ()
-    script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()
-    on_enter: Annotated[
-        tuple[str, ...],
-        OneOrMore("the name of an action"),
-        Doc("names of actions played when it begins"),
-    ] = ()
-    after: Annotated[
-        tuple[str, ...],
-        OneOrMore("the name of a phase"),
-        Doc("phases, one of which must have begun in the trial before this one"),
-    ] = ()
-    planned: Annotated[float, Seconds(1.0, 86_400.0), Doc("planned duration")] = 0.0
-    lock_others: Annotated[bool, Doc("panels of other phases are locked, not only folded")] = False
-
-    @property
-    def heading(self) -> str:
-        """Its title, or its name."""
-        return self.title or self.name
-
-
-@dataclass(frozen=True, slots=True)
 class ArrowKeySteps:
     """How far one press of an arrow key goes."""
 
@@ -299,8 +265,6 @@ class Experiment:
     script: tuple[str, ...] = ()
     #: The robot that plays it instead of the one that the file names; empty: none.
     robot: str = ""
-    #: In the order in which one follows the other, unless the wizard chooses otherwise.
-    phases: tuple[Phase, ...] = ()
     #: Regular expression that participant codes match as a whole.
     participant_pattern: str = "[A-Za-z0-9]{1,16}"
     conditions: tuple[str, ...] = ()
@@ -358,24 +322,6 @@ class Experiment:
                 if action.name == name:
                     return action
         return next((action for action in self.beside_panels if action.name == name), None)
-
-    def phase(self, name: str) -> Phase | None:
-        """The phase called `name`, or None."""
-        return next((phase for phase in self.phases if phase.name == name), None)
-
-    @property
-    def first_phase(self) -> Phase | None:
-        """The phase that holds when a session begins; in a study with trials none does until one
-        begins.
-        """
-        return self.phases[0] if self.phases and self.study.design is None else None
-
-    def locked_by(self, phase: Phase | None) -> frozenset[str]:
-        """Panels that are locked while a phase holds, because they belong to others."""
-        if phase is None or not phase.lock_others or not phase.panels:
-            return frozenset()
-        others = {panel for each in self.phases for panel in each.panels}
-        return frozenset(others - {*phase.panels})
 
     def driver(self, name: str) -> DriverSpec | None:
         """The driver called `name`, or None."""

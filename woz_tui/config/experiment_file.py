@@ -13,7 +13,6 @@ from woz_tui.config.annotated_decoder import names_of
 from woz_tui.config.experiment import (
     ARRIVED,
     ArrowKeySteps,
-    Phase,
     SessionSettings,
 )
 from woz_tui.config.feature_section import FeatureSection
@@ -155,12 +154,6 @@ class ExperimentKeys(Study, Entry):
         Doc("groups of actions, in the order of the screen"),
     ]
     script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()
-    phases: Annotated[
-        tuple[Phase, ...],
-        ReadApart(),
-        NotEmpty(),
-        Doc("parts of a trial: panels in front, and which phase may follow"),
-    ] = ()
 
 
 def _with_features() -> type[ExperimentKeys]:

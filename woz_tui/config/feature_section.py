@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from woz_tui.config.condition_texts import Variables
 from woz_tui.config.experiment import Action, Experiment, Panel, Step
@@ -15,7 +15,8 @@ from woz_tui.config.languages import Language
 from woz_tui.config.robots import Robots
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.contract import Driver, Finding, Verb, Written
-from woz_tui.protocol.messages import Json
+from woz_tui.feature import pieces
+from woz_tui.protocol.envelope import Json
 
 S = TypeVar("S")
 
@@ -75,6 +76,8 @@ class FeatureSection(Generic[S]):
 
     #: Verbs that need no driver. Actions may name them, `Feature.performer` carries them out.
     verbs: tuple[Verb, ...] = ()
+    #: Whether it holds in a training, too, where nobody takes part.
+    in_trainings: ClassVar[bool] = True
 
     def __init__(self, keys: type, empty: S) -> None:
         self.keys = keys
@@ -129,6 +132,18 @@ class FeatureSection(Generic[S]):
         """Fields of `welcome.StudySettings` that it fills."""
         return {}
 
+    def at_first(self, experiment: Experiment) -> object | None:
+        """What holds of the feature when a session begins; None: nothing."""
+        return None
+
+    def locks(self, fact: Any) -> Collection[str]:
+        """Panels that are locked while this holds of the feature."""
+        return ()
+
+    def scripts(self, section: S) -> Mapping[str, Sequence[str]]:
+        """Scripts that Space plays in place of the file's, by the phase in which it does so."""
+        return {}
+
     def summary(self, section: S) -> Iterable[tuple[str, str]]:
         """What `woz check` says of it: subjects and sentences."""
         return ()
@@ -145,3 +160,8 @@ class FeatureSection(Generic[S]):
         """What an experiment's file says of it."""
         section: S = experiment.sections.get(self, self.empty)
         return section
+
+
+def sections() -> Iterable[FeatureSection[Any]]:
+    """Of all features."""
+    return pieces("section", FeatureSection).values()

@@ -27,7 +27,6 @@ from woz_tui.config.feature_section import FeatureSection, FileContents, FileSur
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.languages import Language
 from woz_tui.config.performers import ENGAGEMENT, SESSION, performers_of_features
-from woz_tui.config.phases import read_phases
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.robots import RobotReader, Robots, VerbOffer
 from woz_tui.config.sensor_names import check_shown, published_names
@@ -206,7 +205,6 @@ class _ExperimentDecoder:
             panels=read,
             robot=playing.origin,
             script=file.script,
-            phases=read_phases(table.get("phases"), [panel.title for panel in read], actions),
             participant_pattern=_pattern(file.participants.pattern, table.get("participants")),
             conditions=conditions,
             variables=variables.always,

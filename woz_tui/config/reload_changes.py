@@ -72,7 +72,6 @@ _COLLECTIONS: Mapping[str, Callable[[Experiment], Mapping[str, object]]] = {
     "variable": lambda read: {**read.variables, **read.by_condition},
     "questionnaire": lambda read: {each.name: each for each in read.study.questionnaires},
     "preflight": lambda read: dict.fromkeys(read.study.preflight),
-    "phase": lambda read: {phase.name: phase for phase in read.phases},
 }
 
 
@@ -94,9 +93,6 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
     for section in pieces("section", FeatureSection).values():
         yield from section.changes(section.of(old), section.of(new))
     yield from _study(old.study, new.study)
-    before, after = ({phase.name: None for phase in each.phases} for each in (old, new))
-    if [name for name in before if name in after] != [name for name in after if name in before]:
-        yield "phases are in another order"
     yield from _panels(old, new)
     yield from _actions(old, new)
     if old.script != new.script:

@@ -25,10 +25,9 @@ from woz_tui.console.screens.dialog import (
     WIZARD,
     ConsoleApp,
     ConsoleCommand,
-    KeyHint,
 )
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.console.widgets.feature_console import FeatureCommand, FeatureConsole
+from woz_tui.console.widgets.feature_console import FeatureCommand, FeatureConsole, KeyHint
 from woz_tui.feature import pieces
 from woz_tui.protocol.requests import (
     AskAction,
@@ -36,7 +35,6 @@ from woz_tui.protocol.requests import (
     AskEmptyQueue,
     AskMarker,
     AskMistake,
-    AskPhase,
     AskScript,
     AskTakeOver,
     AskVerb,
@@ -84,10 +82,6 @@ def _has_robot(state: ConsoleState) -> bool:
     return bool(state.robot_outlines)
 
 
-def _phases_can_begin(state: ConsoleState) -> bool:
-    return bool(state.settings.phases) and not _between_trials(state)
-
-
 def _between_trials(state: ConsoleState) -> bool:
     return state.session.study.between_trials
 
@@ -120,10 +114,6 @@ def _move_script(by: int) -> Callable[[KeyPress], AskScript]:
         return AskScript(play=False, by=by, **press.fields)
 
     return ask
-
-
-def _next_phase(press: KeyPress) -> AskPhase:
-    return AskPhase(source="key", **press.fields)
 
 
 def _play_script(press: KeyPress) -> AskScript:
@@ -182,8 +172,6 @@ _COMMANDS = (
     _row("script_back", sends=_move_script(-1)),
     _row("script_on", sends=_move_script(1)),
     _row("script_edit", calls("screens.say:open_edit")),
-    _row("phase_next", sends=_next_phase, once=True, hint=KeyHint(2.5, "phase", _phases_can_begin)),
-    _row("phases", opens("screens.phases:PhasesDialog"), users=WATCHER),
     _row("say", opens("screens.say:SayDialog"), hint=KeyHint(3, "say")),
     _row(
         "find find_too",
@@ -324,9 +312,16 @@ def _of_feature(command: FeatureCommand) -> ConsoleCommand:
 
     users = WATCHER if command.watchers else WIZARD
     if not command.opens:
-        return _row(command.key, sends=ask, once=True, also=command.also, users=users)
+        return _row(
+            command.key,
+            sends=command.sends or ask,
+            once=True,
+            hint=command.hint,
+            also=command.also,
+            users=users,
+        )
     # What the screen carries out passes the keyboard twice, so it cannot count once there.
-    return _row(command.key, run, also=command.also, users=users)
+    return _row(command.key, run, hint=command.hint, also=command.also, users=users)
 
 
 def _with_features() -> Iterator[ConsoleCommand]:

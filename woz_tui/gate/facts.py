@@ -56,8 +56,6 @@ class Facts:
         unrecorded: Why what happens now would not be recorded; empty: it is.
         panels: Of the file.
         locked: Whether a panel was locked or unlocked since, by title.
-        phase: The heading of the phase that holds; empty: none.
-        locked_by_phase: Panels that it has locked.
         wizards: Consoles that play, with their parts.
         helpers: Programs and drivers that belong to a part, with it.
         scheduled: How many requests wait for their moment.
@@ -73,8 +71,6 @@ class Facts:
     unrecorded: str = ""
     panels: Sequence[GatedPanel] = ()
     locked: Mapping[str, bool] = field(default_factory=dict)
-    phase: str = ""
-    locked_by_phase: Collection[str] = ()
     wizards: Mapping[str, str] = field(default_factory=dict)
     helpers: Mapping[str, str] = field(default_factory=dict)
     scheduled: int = 0

@@ -72,7 +72,6 @@ WHILE_ENDING = (
 #: What is not done if a request is too old: it would let something move, or mean another thing by
 #: now. Records, and whatever takes away, are taken all the same.
 UNDONE: dict[type, str] = {
-    r.AskPhase: "Phase not changed",
     r.AskUnrecorded: "Not going on without a record",
     r.AskEnd: "Session not ended",
 }
@@ -289,7 +288,7 @@ def _players(facts: Facts, asked: PlayAction | SendVerb) -> dict[str, str]:
 
 
 def locked_action(facts: Facts, asked: PlayAction) -> Refusal | None:
-    """The file locks an action, a hand or a phase its panel."""
+    """The file locks an action, the file or a hand its panel."""
     if asked.action is None:
         return None
     if asked.action.locked:
@@ -297,8 +296,12 @@ def locked_action(facts: Facts, asked: PlayAction) -> Refusal | None:
     panel = asked.action.panel
     if not facts.locked.get(panel, False):
         return None
-    by_phase = facts.phase and panel in facts.locked_by_phase
-    reason = f"the panel {panel!r} is locked" + (f" in the phase {facts.phase}" if by_phase else "")
+    return locked_panel(panel)
+
+
+def locked_panel(panel: str, when: str = "") -> Refusal:
+    """What is said of an action of a locked panel. `when`: while what it is."""
+    reason = f"the panel {panel!r} is locked" + (f" {when}" if when else "")
     return Refusal("locked", reason, _unlock(panel), "find")
 
 

@@ -16,7 +16,7 @@ from woz_tui.host.feature_view import FeatureView
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
-from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
+from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import ModelLimits, StudySettings, WelcomeSettings
 from woz_tui.session.session import Session
 from woz_tui.session.session_plan import study_settings, study_snapshot
@@ -149,7 +149,6 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
                 for spec in experiment.drivers
             },
             engagement=engagement_limits(experiment),
-            phases=msgspec.convert(experiment.phases, list[PhaseView], from_attributes=True),
             sensors=[*experiment.sensors],
             study=shown.study or study_settings(experiment),
             **_of_features(shown),

@@ -7,6 +7,7 @@ import dataclasses
 import logging
 from collections.abc import Callable, Mapping
 from functools import partial
+from typing import cast
 
 import msgspec
 from msgspec.structs import replace
@@ -36,6 +37,7 @@ from woz_tui.protocol.messages import (
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import requester
 from woz_tui.protocol.requests import (
+    AgedRequest,
     AskAction,
     AskAnswer,
     AskAssign,
@@ -51,7 +53,6 @@ from woz_tui.protocol.requests import (
     AskMarker,
     AskMistake,
     AskNote,
-    AskPhase,
     AskPicture,
     AskPredict,
     AskPreflight,
@@ -230,8 +231,6 @@ class RequestHandlers:
             case AskEnd(reason=reason):
                 session.end_tells = tells
                 self.on_end(reason)
-            case AskPhase(phase=phase, source=source, key=key):
-                session.phase(phase, RequestOrigin(source, key, client.name))
             case AskAssign(participant=participant, order=order):
                 study.assign(participant, order, self._by(client))
             case AskTrial(what=what, text=text):
@@ -350,9 +349,10 @@ class RequestHandlers:
     def _stale(self, request: Request) -> str:
         """Why it is too old to move anything; its time in the socket counts."""
         age_us = self._session.standstill.waited_us(request.sent_us)
-        if isinstance(request, AskAction | AskVerb | AskScript | AskPhase):
-            age_us += max(0, request.age_us)
-            if request.stale:
+        if request.aged:
+            press = cast("AgedRequest", request)
+            age_us += max(0, press.age_us)
+            if press.stale:
                 # Who stood still, computer, terminal or the line between them, nobody can tell.
                 if self._session.too_old(age_us):
                     return f"too late: it may have been pressed {age_us / 1_000_000:.1f} s ago"

@@ -6,7 +6,7 @@ chooses, repeated in the `reply`. Unknown fields are refused, so that a misspelt
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Protocol
 
 import msgspec
 
@@ -40,8 +40,22 @@ class Request(
 
     #: Whether its `source` says what of a console a person used; of a program it is `program`.
     sourced: ClassVar[bool] = False
+    #: Whether it is an `AgedRequest`.
+    aged: ClassVar[bool] = False
     ref: int = 0
     sent_us: int = 0
+
+
+class AgedRequest(Protocol):
+    """A request that says how old the press behind it is already, and whether it is too old."""
+
+    @property
+    def age_us(self) -> int:
+        """In microseconds."""
+
+    @property
+    def stale(self) -> bool:
+        """Whether it counts as too old, whatever its age."""
 
 
 class Hello(Request, frozen=True, kw_only=True, tag="hello"):
@@ -80,6 +94,7 @@ class AskAction(Request, frozen=True, kw_only=True, tag="action"):
     """
 
     sourced = True
+    aged = True
     action: str
     source: str = "program"
     key: str = ""
@@ -98,6 +113,7 @@ class AskVerb(Request, frozen=True, kw_only=True, tag="verb"):
     """
 
     sourced = True
+    aged = True
     verb: str
     args: dict[str, Json] = {}
     on: str = ""
@@ -163,6 +179,7 @@ class AskScript(Request, frozen=True, kw_only=True, tag="script"):
     `key`, `age_us` and `stale` as for an action.
     """
 
+    aged = True
     play: bool = True
     to: int | None = None
     by: int = 0
@@ -246,20 +263,6 @@ class AskLock(Request, frozen=True, kw_only=True, tag="lock"):
 
     panel: str
     locked: bool
-
-
-class AskPhase(Request, frozen=True, kw_only=True, tag="phase"):
-    """Go on to the phase `phase` of the experiment; an empty one: to the next.
-
-    `key`, `age_us` and `stale` as for an action.
-    """
-
-    sourced = True
-    phase: str = ""
-    source: str = "program"
-    key: str = ""
-    age_us: int = 0
-    stale: bool = False
 
 
 class AskReload(Request, frozen=True, kw_only=True, tag="reload"):
@@ -421,7 +424,6 @@ REQUESTS: tuple[type[Request], ...] = (
     AskNote,
     AskMistake,
     AskLock,
-    AskPhase,
     AskReload,
     AskKeepTyped,
     AskPreflight,

@@ -11,11 +11,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from woz_tui.config.experiment import Experiment
+from woz_tui.config.feature_section import sections
 from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
-from woz_tui.session.phase_control import PhaseController
 from woz_tui.timeline.episodes import ActionEpisode, CommandEpisode, EpisodeOutcome
+from woz_tui.timeline.study_history import StudyState
 
 #: How a line ends behind which the script does not go on.
 HALTING = (EpisodeOutcome.FAILED, EpisodeOutcome.REFUSED, EpisodeOutcome.STOPPED)
@@ -111,7 +112,7 @@ class ScriptController:
     Args:
         publish: Publishes where a script stands.
         experiment: What the file says.
-        phases: Which phase holds.
+        study: Says which phase holds.
         waits: Whether a run waits: it could begin, and nothing of it has begun.
         withdraw: Cuts a run short.
     """
@@ -121,11 +122,11 @@ class ScriptController:
         publish: Callable[[m.ScriptMoved], object],
         experiment: Experiment,
         *,
-        phases: PhaseController,
+        study: StudyState,
         waits: Callable[[str], bool],
         withdraw: Callable[[str], object],
     ) -> None:
-        self._publish, self._phases = publish, phases
+        self._publish, self._study = publish, study
         self._waits, self._withdraw = waits, withdraw
         self._scripts: dict[str, ScriptState] = {}
         self._published: dict[str, tuple[int, frozenset[int], str]] = {}
@@ -141,7 +142,7 @@ class ScriptController:
     @property
     def name(self) -> str:
         """The script that Space plays: that of the phase, or the experiment's."""
-        phase = self._phases.name
+        phase = self._study.phase.label if self._study.phase is not None else ""
         return phase if phase in self._scripts else ""
 
     @property
@@ -154,8 +155,11 @@ class ScriptController:
         script = self.now
         if script.position >= len(script.lines):
             if not script.lines:
-                if len(self._scripts) > 1 and not self._phases.name:
-                    self._phases.check_trial()
+                if len(self._scripts) > 1 and self._study.phase is None:
+                    if self._study.between_trials:
+                        raise RequestError(
+                            "phases begin with a trial", "begin one", command="trial"
+                        )
                     raise RequestError("no phase holds", "begin one", command="phase_next")
                 raise RequestError("there is no script", "add script: [...] to the file")
             raise RequestError(
@@ -242,8 +246,9 @@ class ScriptController:
 
     def adopt(self, experiment: Experiment) -> None:
         """Go on with what the file says now."""
-        own = {phase.name: phase.script for phase in experiment.phases if phase.script}
-        scripts = {"": experiment.script, **own}
+        scripts: dict[str, Sequence[str]] = {"": experiment.script}
+        for section in sections():
+            scripts |= section.scripts(section.of(experiment))
         for run, played in [*self._runs.items()]:
             before = self._scripts[played.script].lines
             place = _places(before, scripts.get(played.script, ())).get(played.line)

@@ -18,7 +18,7 @@ import msgspec
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
-from woz_tui.config.experiment import Action, Call, Experiment, Phase
+from woz_tui.config.experiment import Action, Call, Experiment
 from woz_tui.config.keys.keymap import actions_on
 from woz_tui.config.performers import ENGAGEMENT, SESSION, performers
 from woz_tui.drivers.argument_check import ArgumentError, checked
@@ -42,7 +42,6 @@ from woz_tui.session.driver_manager import DriverManager, make_drivers, motionle
 from woz_tui.session.engagement_control import EngagementController
 from woz_tui.session.engagement_robot import EngagementRobot
 from woz_tui.session.participant_identity import SessionIdentity
-from woz_tui.session.phase_control import PhaseController
 from woz_tui.session.prediction import Forecaster, Kept, predicted
 from woz_tui.session.recent_messages import RecentMessages, unlisted
 from woz_tui.session.script_control import ScriptController
@@ -104,17 +103,10 @@ class Session:
         self.state, self.recent = SessionState(), RecentMessages()
         self.hub.listen(self._on_message)  # before all others: they find the state as of now
         self.hub.listen(self.recent.add, but=unlisted())
-        self.phases = PhaseController(
-            self.hub.publish,
-            self.state.study,
-            read=lambda: self.experiment,
-            lock=lambda panel, locked: self._lock(panel, locked, "phase"),
-            is_locked=lambda panel: self.locked.get(panel, False),
-        )
         self.scripts = ScriptController(
             self.hub.publish,
             self.experiment,
-            phases=self.phases,
+            study=self.state.study,
             waits=self._has_not_begun,
             withdraw=self._cancel_waiting_line,
         )
@@ -133,7 +125,6 @@ class Session:
             read=lambda: self.experiment,
             identity=lambda: self.identity,
             set_trial=self.set,
-            trial_began=self._trial_began,
             logs=(folder, self.recorder.path.parent),
         )
         self.faults = DriverFaults(self.hub, self.clock)
@@ -204,7 +195,6 @@ class Session:
         self.faults.begin(self.drivers)
         self.engagement.begin()
         self.study.begin()
-        self.phases.begin_anew("session")
         self.features.begin()
         await self._driver_manager.open()
         self.texts.publish_all()
@@ -333,7 +323,6 @@ class Session:
 
     def facts(self) -> Facts:
         """What holds now, for the gate."""
-        phase = self.phases.current
         return Facts(
             now=self.hub.now(),
             ended=self.ended,
@@ -342,8 +331,6 @@ class Session:
             unrecorded=self.recorder.refusal(),
             panels=self.experiment.panels,
             locked=self.locked,
-            phase=phase.heading if phase is not None else "",
-            locked_by_phase=self.phases.locked,
             wizards=self.state.wizards,
             helpers=self._helpers(),
             scheduled=len(self.runner.scheduled),
@@ -519,8 +506,8 @@ class Session:
             self.scripts.mistaken(message.run)
         if isinstance(message, m.PhaseChanged):
             self.scripts.phase_began()
-        if isinstance(message, m.TrialEnded) and not self.ended:
-            self.phases.end()
+        if isinstance(message, m.TrialStarted):
+            self.scripts.begin_anew()
 
     def _is_of_another(self, action: e.ActionEpisode) -> bool:
         """Whether a wizard has just pressed what another one plays: the script hears nothing."""
@@ -539,26 +526,6 @@ class Session:
     def _cancel_waiting_line(self, run: str) -> None:
         """Cut a line short that waits behind one that was not played."""
         self._loop.call_soon(self.runner.cancel, run, "the previous line was not played")
-
-    # -- phases ------------------------------------------------------------------------------
-
-    def phase(self, name: str, origin: RequestOrigin) -> None:
-        """Go on to the phase `name`, or with an empty one to the next, and play what it begins
-        with.
-        """
-        phase = self.phases.phase_to_begin(name)
-        self.phases.enter(phase, origin.source)
-        self._play_on_enter(phase, origin)
-
-    def _play_on_enter(self, phase: Phase | None, origin: RequestOrigin) -> None:
-        """What is refused is in the log, and on every screen."""
-        for name in phase.on_enter if phase is not None else ():
-            with contextlib.suppress(RequestError):
-                self.play(name, replace(origin, source="phase"))
-
-    def _trial_began(self) -> None:
-        self.scripts.begin_anew()
-        self._play_on_enter(self.phases.begin_anew("trial"), RequestOrigin("phase"))
 
     def cancel(self, run: str, by: str = WIZARD) -> None:
         """Cut one run short. `by`: who wants it."""
@@ -671,8 +638,8 @@ class Session:
     def _action_on(self, key: str) -> str:
         """The action that the key `key` plays now: of several the one that is in front."""
         found = actions_on(key, self.experiment.actions, self.experiment.keyboard)
-        phase = self.phases.current
-        front = [each for each in found if phase is not None and each.panel in phase.panels]
+        ahead = self.features.front()
+        front = [each for each in found if each.panel in ahead]
         if not found:
             raise RequestError(f"no action has the key {key!r}")
         return (front or found)[0].name
@@ -754,16 +721,14 @@ class Session:
     ) -> None:
         """Set participant, condition or trial; each is checked first, then all are set.
 
-        For another participant or trial scripts and phases begin anew.
+        For another participant or trial scripts, and what features have, begin anew.
         """
         before = self.identity.participant, self.identity.trial
         self._set(participant, condition, trial)
         if (self.identity.participant, self.identity.trial) == before:
             return
         self.scripts.begin_anew()
-        other = self.identity.participant != before[0]
-        if other or (self.study.state.last_started is None and self.study.state.trial is None):
-            self.phases.begin_anew("session")
+        self.features.begin_anew(participant=self.identity.participant != before[0])
 
     def _set(self, participant: str | None, condition: str | None, trial: int | None) -> None:
         self.study.allow(participant, other_trial=trial not in (None, self.identity.trial))
@@ -782,11 +747,10 @@ class Session:
         """Lock or unlock a panel."""
         if panel not in {known.title for known in self.experiment.panels}:
             raise RequestError(f"there is no panel {panel!r}")
-        if locked:  # by hand: no phase unlocks it
-            self.phases.locked.discard(panel)
-        self._lock(panel, locked, "")
+        self.set_lock(panel, locked, "")
 
-    def _lock(self, panel: str, locked: bool, source: str) -> None:
+    def set_lock(self, panel: str, locked: bool, source: str) -> None:
+        """The same of a panel that is there; `source`: what does it, where no hand does."""
         self.locked[panel] = locked
         self.hub.publish(m.PanelLocked(panel=panel, locked=locked, source=source))
 
@@ -816,10 +780,9 @@ class Session:
         publish_reload(self.hub, experiment, changes, telling)
         self.study.adopt()
         self.texts.publish_all()
-        self.features.adopt(experiment)
         for panel in experiment.panels:
             if before.get(panel.title) is not panel.locked:
                 self.lock(panel.title, panel.locked)
-        self.phases.adopt()
+        self.features.adopt(experiment)
         self.scripts.adopt(experiment)
         self._prepare()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar, Protocol, TypeVar, cast
@@ -54,11 +54,21 @@ class FeatureSession(Protocol):
     bus: Bus
     runner: ActionRunner
     texts: ActionTexts
+    #: Whether it is ending.
+    ended: bool
+    #: Panels by title that are locked or were, and whether they are.
+    locked: dict[str, bool]
     #: Shows consoles the panels as they are now.
     on_panels: Callable[[], None]
 
     def why_no_verb(self, call: Call, origin: RequestOrigin) -> Refusal | None:
         """Why this hand may not send it at the moment; None: it may."""
+
+    def play(self, name: str, origin: RequestOrigin) -> str:
+        """Play the action `name`; its run id. Raises `RequestError`; the refusal is in the log."""
+
+    def set_lock(self, panel: str, locked: bool, source: str) -> None:
+        """Lock or unlock a panel; `source`: what does, where no hand does."""
 
 
 class SessionFeature:
@@ -94,6 +104,9 @@ class SessionFeature:
     def lose(self, console: str) -> None:
         """A console, a program or a control panel is not connected any more."""
 
+    def begin_anew(self, *, participant: bool) -> None:
+        """The number of the next trial was set, with another `participant` or without."""
+
     def carry_out(self, request: Any, client: Client) -> str:
         """Do what is asked; the id of the run or command that it has begun, if any."""
         raise RequestError(f"{type(request).__name__} cannot be used here")
@@ -124,6 +137,10 @@ class SessionFeature:
 
     def drop(self, run: str) -> None:
         """What it holds as `run`, if anything, has been ended."""
+
+    def front(self) -> Collection[str]:
+        """Panels whose action is meant where several have the same key."""
+        return ()
 
     def fact(self) -> object | None:
         """What the feature's rows of the gate and its view look at; None: there is nothing."""
@@ -157,7 +174,7 @@ class PerformingFeature(SessionFeature, Performer):
 F = TypeVar("F", bound=SessionFeature)
 
 #: Where features are asked or told something; those that have nothing to do there are passed by.
-_HOOKS = ("begin", "close", "play", "adopt", "hold", "drop", "fact")
+_HOOKS = ("begin", "close", "play", "adopt", "hold", "drop", "begin_anew", "front", "fact")
 
 
 class SessionFeatures:
@@ -236,6 +253,11 @@ class SessionFeatures:
         for name, feature in [*self._with["close"].items()]:
             self._safely(name, feature.close, None)
 
+    def begin_anew(self, *, participant: bool) -> None:
+        """The number of the next trial was set, with another `participant` or without."""
+        for name, feature in [*self._with["begin_anew"].items()]:
+            self._safely(name, partial(feature.begin_anew, participant=participant), None)
+
     def carry_out(self, request: Request, client: Client) -> str:
         """Do what is asked of a feature; the id of what it has begun. Raises `RequestError`."""
         name = self._answering.get(type(request))
@@ -280,6 +302,15 @@ class SessionFeatures:
         """What is held as `run`, if anything is, has been ended."""
         for name, feature in [*self._with["drop"].items()]:
             self._safely(name, feature.drop, None, run)
+
+    def front(self) -> set[str]:
+        """Panels whose action is meant where several have the same key."""
+        nothing: Collection[str] = ()
+        return {
+            panel
+            for name, feature in [*self._with["front"].items()]
+            for panel in self._safely(name, feature.front, nothing)
+        }
 
     def facts(self) -> dict[str, object]:
         """What their rows of the gate look at, by name."""

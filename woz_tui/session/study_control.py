@@ -37,7 +37,6 @@ class StudyController:
         read: Gives the experiment as its file was read last.
         identity: Gives who takes part, and under which condition.
         set_trial: Sets participant, condition and trial; None leaves one as it is.
-        trial_began: Called when a trial has begun.
         logs: The folders with the logs of earlier sessions and with that of this one.
     """
 
@@ -49,12 +48,10 @@ class StudyController:
         read: Callable[[], Experiment],
         identity: Callable[[], SessionIdentity],
         set_trial: Callable[[str | None, str | None, int | None], None],
-        trial_began: Callable[[], None],
         logs: Iterable[Path],
     ) -> None:
         self._hub, self._read = hub, read
         self._identity, self._set_trial = identity, set_trial
-        self._trial_began = trial_began
         #: What holds, and what the file says.
         self.state = state.study
         self.settings = self.state.settings = study_settings(read())
@@ -244,7 +241,6 @@ class StudyController:
             self._set_trial(None, changed, number)
         self._end_break("")
         self._hub.publish(m.TrialStarted(trial=number, condition=condition, planned=state.planned))
-        self._trial_began()
 
     def _end_trial(self, outcome: str, text: str, tells: tuple[str, ...] = ()) -> None:
         if (trial := self.state.trial) is not None:

@@ -18,10 +18,7 @@ from woz_tui.console.link.message_feed import MessageFeed
 from woz_tui.protocol.requests import (
     AskAction,
     AskLetGo,
-    AskPhase,
-    AskScript,
     AskStop,
-    AskVerb,
     Request,
 )
 from woz_tui.system.clock import Clock, RealClock
@@ -394,9 +391,7 @@ class Keyboard:
         request = own.sends(KeyPress(chord, age_us, stale, self.steps, on, at_us))
         if not stale:
             self.on_pressed(chord, "", self.feed.ask(request))
-        elif isinstance(
-            request, AskAction | AskPhase | AskScript | AskVerb
-        ):  # the log says it was refused
+        elif request.aged:  # the log says it was refused
             self.on_stale(chord, own.name, self.feed.ask(request))
         else:
             self.on_stale(chord, own.name, 0)

@@ -9,7 +9,8 @@ from woz_tui.config.keys.console_keys import BuiltinKey
 from woz_tui.console import commands as session
 from woz_tui.console.commands import Run, opens
 from woz_tui.console.input.keyboard import Keyboard
-from woz_tui.console.screens.dialog import REPLAY, ConsoleCommand, KeyHint
+from woz_tui.console.screens.dialog import REPLAY, ConsoleCommand
+from woz_tui.console.widgets.feature_console import KeyHint
 from woz_tui.protocol.requests import AskMistake, AskReplay
 
 #: Seconds that one press of an arrow goes, and one with shift or alt.

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from woz_tui.console.link.robot_requests import RobotRequests
     from woz_tui.console.robot_settings.step_sizes import ArrowSteps
     from woz_tui.console.state.console_state import ConsoleState
+    from woz_tui.console.widgets.feature_console import KeyHint
     from woz_tui.system.clock import Clock
 
 #: Whom a command serves: the console that plays the robot; also one that watches; also a replay;
@@ -49,15 +50,6 @@ WIZARD = frozenset({"wizard"})
 WATCHER = WIZARD | {"watcher"}
 EVERYBODY = WATCHER | {"replay"}
 REPLAY = frozenset({"replay"})
-
-
-@dataclass(frozen=True, slots=True)
-class KeyHint:
-    """A key's word in the lowest line, where `worth` says so; the lower `rank`, the earlier."""
-
-    rank: float
-    word: str
-    worth: Callable[[ConsoleState], bool] = lambda state: True
 
 
 @dataclass(frozen=True, slots=True)

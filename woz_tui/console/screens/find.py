@@ -20,8 +20,10 @@ from woz_tui.console.screens.engagement_questions import steer
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.wizard_overrides import OVERRIDES, is_offered
 from woz_tui.console.widgets.bottom_rows import quoted
+from woz_tui.console.widgets.feature_console import FeatureConsole
+from woz_tui.feature import pieces
 from woz_tui.protocol.messages import Json
-from woz_tui.protocol.requests import AskAction, AskLock, AskPhase, AskVerb
+from woz_tui.protocol.requests import AskAction, AskLock, AskVerb
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +123,7 @@ class FindDialog(SearchDialog[SearchItem]):
         """All there is, in the file's order."""
         found = [
             *self._actions(),
-            *self._phases(),
+            *self._of_features(),
             *self._locks(),
             *self._orders(),
             *self._robots(),
@@ -155,11 +157,11 @@ class FindDialog(SearchDialog[SearchItem]):
                 acts=True,
             )
 
-    def _phases(self) -> Iterable[SearchItem]:
-        for phase in self.state.settings.phases:
-            request = AskPhase(phase=phase.name, source="palette")
-            name = f"Phase {phase.heading}"
-            yield SearchItem(name, "", "phase", functools.partial(self.requests.ask, request), name)
+    def _of_features(self) -> Iterable[SearchItem]:
+        for each in pieces("console", FeatureConsole).values():
+            for found in each.finds(self.state) if each.finds is not None else ():
+                do = functools.partial(self.requests.ask, found.request)
+                yield SearchItem(found.name, "", found.what, do, found.name)
 
     def _locks(self) -> Iterable[SearchItem]:
         for panel in self.state.panels:

@@ -2,25 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.input.keyboard import KeyPress
 from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.protocol.requests import Request
+
+
+@dataclass(frozen=True, slots=True)
+class KeyHint:
+    """A key's word in the lowest line, where `worth` says so; the lower `rank`, the earlier."""
+
+    rank: float
+    word: str
+    worth: Callable[[ConsoleState], bool] = lambda state: True
 
 
 @dataclass(frozen=True, slots=True)
 class FeatureCommand:
-    """A command of the console: it plays the action of its key, if that has one, and then opens the
-    dialog `opens`, if one is named (`module:Class`).
+    """A command of the console: it sends its request, or plays the action of its key, if that has
+    one, and then opens the dialog `opens`, if one is named (`module:Class`).
 
-    `key`: the id of its key (`Feature.keys`). `watchers`: whether it is for those who only watch,
-    too. `also`: words that find it in the palette, beside its own.
+    `key`: the id of its key (`Feature.keys`). `sends`: makes the request. Without a dialog, a key
+    that is held down or pressed again at once counts once. `hint`: how the lowest line names it;
+    None: not at all. `watchers`: whether it is for those who only watch, too. `also`: words that
+    find it in the palette, beside its own.
     """
 
     key: str
     opens: str = ""
+    sends: Callable[[KeyPress], Request] | None = None
+    hint: KeyHint | None = None
     watchers: bool = False
     also: tuple[str, ...] = ()
 
@@ -47,6 +62,15 @@ class Board:
 
 
 @dataclass(frozen=True, slots=True)
+class FoundRequest:
+    """What the palette finds by its `name`: a request, and in a word what it is about."""
+
+    name: str
+    what: str
+    request: Request
+
+
+@dataclass(frozen=True, slots=True)
 class FeatureConsole:
     """What a feature has on the screen. Nothing in it may import Textual: dialogs are named.
 
@@ -55,7 +79,8 @@ class FeatureConsole:
     is given the key that cuts what began last, and the cells that are left. `board`: lines above
     the panels. `offers`: the dialog that opens by itself now. `instead`: the dialog `module:Class`
     that opens now for a command of the console, by the id of its key, instead of what it does
-    otherwise; empty: nothing, None: as otherwise.
+    otherwise; empty: nothing, None: as otherwise. `finds`: what the palette finds beside its
+    commands.
     """
 
     commands: tuple[FeatureCommand, ...] = ()
@@ -64,3 +89,4 @@ class FeatureConsole:
     board: Board | None = None
     offers: Callable[[ConsoleState], DialogOffer | None] | None = None
     instead: Mapping[str, Callable[[ConsoleState], str | None]] = field(default_factory=dict)
+    finds: Callable[[ConsoleState], Iterable[FoundRequest]] | None = None

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from woz_tui.config.experiment import Experiment
+from woz_tui.config.feature_section import sections
 from woz_tui.drivers.contract import Driver
 from woz_tui.features.training.in_session import TrainingOptions
 from woz_tui.host.session_kind import SessionKind
@@ -53,10 +54,14 @@ class TrainingKind(SessionKind):
 
     def experiment(self, experiment: Experiment) -> Experiment:
         """Without what belongs to a participant: nobody is there to be asked, nothing has to be in
-        order for them, and cues want answers of all phases.
+        order for them, and what else holds for participants alone.
         """
         study = replace(experiment.study, questionnaires=(), preflight=())
-        return replace(experiment, study=study, phases=())
+        kept: dict[object, object] = {
+            section: section.of(experiment) if section.in_trainings else section.empty
+            for section in sections()
+        }
+        return replace(experiment, study=study, sections=kept)
 
     def drivers(self, catalogue: Mapping[str, type[Driver]]) -> Mapping[str, type[Driver]]:
         from woz_tui.features.training.rehearsal_driver import rehearsed  # noqa: PLC0415

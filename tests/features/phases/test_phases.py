@@ -10,15 +10,17 @@ from pathlib import Path
 import pytest
 
 from tests.session.rig import SessionRig, experiment
-from woz_tui.config.experiment import Experiment, Phase
+from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Design, Study
+from woz_tui.features.phases.in_session import PhaseController
+from woz_tui.features.phases.section import PHASES, Phase
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.session import Session
 
 KEY = RequestOrigin("key", ")", "con1")
-PHASES = (
+PARTS = (
     Phase("opening", "Opening", ("Speech",), on_enter=("Hello",), planned=120.0),
     Phase("ride", "The ride", ("Base",), after=("opening",), lock_others=True),
     Phase("closing", after=("ride",)),
@@ -29,10 +31,14 @@ def on_stage(
     tmp_path: Path,
     scenario: Callable[[SessionRig], Awaitable[None]],
     study: Study = Study(),  # noqa: B008 - frozen
-    phases: tuple[Phase, ...] = PHASES,
+    phases: tuple[Phase, ...] = PARTS,
 ) -> SessionRig:
-    made = replace(experiment(tmp_path), phases=phases, study=study)
+    made = replace(experiment(tmp_path), sections={PHASES: phases}, study=study)
     return SessionRig(tmp_path, made=made).run(scenario)
+
+
+def phases_of(session: Session) -> PhaseController:
+    return session.features.of(PhaseController)
 
 
 def changes(rig: SessionRig) -> list[tuple[str, str]]:
@@ -41,23 +47,23 @@ def changes(rig: SessionRig) -> list[tuple[str, str]]:
 
 def refusal_reason(session: Session, phase: str = "") -> str:
     with pytest.raises(RequestError) as caught:
-        session.phase(phase, KEY)
+        phases_of(session).go_on(phase, KEY)
     return caught.value.reason
 
 
 def test_one_after_the_other(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
-        assert session.phases.name == "opening"
+        assert phases_of(session).name == "opening"
         assert refusal_reason(session, "closing") == "closing comes after The ride"
         assert refusal_reason(session, "opening") == "Opening is the present phase"
         assert refusal_reason(session, "lunch") == "there is no phase 'lunch'"
-        session.phase("", KEY)
-        session.phase("", KEY)
+        phases_of(session).go_on("", KEY)
+        phases_of(session).go_on("", KEY)
         assert refusal_reason(session) == "no later phase can begin now"
-        session.phase("ride", KEY)  # whatever has begun may begin again
-        session.phase("opening", KEY)
-        session.phase("closing", KEY)
+        phases_of(session).go_on("ride", KEY)  # whatever has begun may begin again
+        phases_of(session).go_on("opening", KEY)
+        phases_of(session).go_on("closing", KEY)
 
     rig = on_stage(tmp_path, scenario)
     assert changes(rig) == [
@@ -72,10 +78,10 @@ def test_what_a_phase_plays_when_somebody_enters_it(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
         session.set(participant="P01")
-        session.phase("ride", KEY)
-        assert session.phases.name == "ride"
+        phases_of(session).go_on("ride", KEY)
+        assert phases_of(session).name == "ride"
         session.lock("Speech", False)
-        session.phase("opening", KEY)
+        phases_of(session).go_on("opening", KEY)
         await asyncio.sleep(2)
 
     rig = on_stage(tmp_path, scenario)
@@ -86,15 +92,15 @@ def test_what_a_phase_plays_when_somebody_enters_it(tmp_path: Path) -> None:
 def test_panels_of_other_phases_are_locked_where_the_file_says_so(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
-        session.phase("ride", KEY)
+        phases_of(session).go_on("ride", KEY)
         with pytest.raises(RequestError, match="'Speech' is locked in the phase The ride"):
             session.play("Hello", KEY)
         session.play("Go", KEY)
-        session.phase("closing", KEY)
+        phases_of(session).go_on("closing", KEY)
         session.lock("Base", True)
-        session.phase("opening", KEY)
+        phases_of(session).go_on("opening", KEY)
         assert session.locked["Base"]
-        session.phase("ride", KEY)
+        phases_of(session).go_on("ride", KEY)
         session.lock("Speech", False)
         session.play("Welcome", KEY)
 
@@ -112,12 +118,12 @@ def test_panels_of_other_phases_are_locked_where_the_file_says_so(tmp_path: Path
 def test_a_lock_that_a_hand_has_set_stays_also_where_a_phase_had_set_it(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
-        session.phase("ride", KEY)
+        phases_of(session).go_on("ride", KEY)
         session.lock("Speech", False)
         session.lock("Speech", True)
         with pytest.raises(RequestError, match=r"'Speech' is locked$"):
             session.play("Hello", KEY)
-        session.phase("closing", KEY)
+        phases_of(session).go_on("closing", KEY)
         assert session.locked["Speech"]
 
     on_stage(tmp_path, scenario)
@@ -126,15 +132,15 @@ def test_a_lock_that_a_hand_has_set_stays_also_where_a_phase_had_set_it(tmp_path
 def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
-        assert session.phases.name == ""
+        assert phases_of(session).name == ""
         session.study.assign("P01", ["warm", "cold"])
-        assert session.phases.name == ""
+        assert phases_of(session).name == ""
         session.study.trial("begin", "")
-        assert session.phases.name == "opening"
-        session.phase("", KEY)
-        assert [*session.phases.locked] == ["Speech"]
+        assert phases_of(session).name == "opening"
+        phases_of(session).go_on("", KEY)
+        assert [*phases_of(session).locked] == ["Speech"]
         session.study.trial("done", "")
-        assert session.phases.name == ""
+        assert phases_of(session).name == ""
         session.play("Hello", KEY, "queue")
         session.study.trial("begin", "")
         assert refusal_reason(session, "closing")
@@ -158,21 +164,21 @@ def test_with_a_design_no_phase_begins_outside_a_trial(tmp_path: Path) -> None:
         session.study.assign("P01", ["warm", "cold"])
         assert (refusal_reason(session), refused_by_space()) == (between[0], between)
         session.study.trial("begin", "")
-        session.phase("", KEY)
+        phases_of(session).go_on("", KEY)
         session.study.trial("done", "")
         assert refusal_reason(session, "opening") == between[0]
-        assert session.state.study.next_phase(PHASES) is None  # the screen offers none
+        assert session.state.study.next_phase(PARTS) is None  # the screen offers none
 
-    scripted = replace(PHASES[0], script=("Hello",))
-    on_stage(tmp_path, scenario, Study(design=Design()), (scripted, *PHASES[1:]))
+    scripted = replace(PARTS[0], script=("Hello",))
+    on_stage(tmp_path, scenario, Study(design=Design()), (scripted, *PARTS[1:]))
 
 
 def test_another_participant_begins_with_the_first_phase(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
-        session.phase("ride", KEY)
+        phases_of(session).go_on("ride", KEY)
         session.set(participant="P02")
-        assert session.phases.name == "opening"
+        assert phases_of(session).name == "opening"
         assert refusal_reason(session, "closing")
         session.set(condition="warm")
 
@@ -183,16 +189,17 @@ def test_another_participant_begins_with_the_first_phase(tmp_path: Path) -> None
 
 def test_a_reload_keeps_the_phase_where_it_still_is(tmp_path: Path) -> None:
     def without(made: Experiment, name: str) -> Experiment:
-        return replace(made, phases=tuple(each for each in made.phases if each.name != name))
+        kept = tuple(each for each in PHASES.of(made) if each.name != name)
+        return replace(made, sections={PHASES: kept})
 
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
-        session.phase("ride", KEY)
+        phases_of(session).go_on("ride", KEY)
         session.adopt(without(session.experiment, "closing"), ["phases"])
-        assert (session.phases.name, session.locked["Speech"]) == ("ride", True)
+        assert (phases_of(session).name, session.locked["Speech"]) == ("ride", True)
         session.adopt(without(session.experiment, "ride"), ["phases"])
-        assert (session.phases.name, session.locked["Speech"]) == ("", False)
-        session.phase("", KEY)
+        assert (phases_of(session).name, session.locked["Speech"]) == ("", False)
+        phases_of(session).go_on("", KEY)
 
     rig = on_stage(tmp_path, scenario)
     assert changes(rig)[-2:] == [("", "reload"), ("opening", "key")]

@@ -10,8 +10,8 @@ from textual.content import Content
 
 from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
+from woz_tui.features.phases.kinds import AskPhase
 from woz_tui.protocol.panels import PhaseView
-from woz_tui.protocol.requests import AskPhase
 from woz_tui.system.text_cleaning import elapsed
 
 #: Cells of a phase's title at the most.

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from tests.host.rig import ServedSession, served_session
 from tests.session.rig import experiment
-from woz_tui.config.experiment import Phase
+from woz_tui.features.phases.section import PHASES, Phase
 from woz_tui.protocol import messages as m
 
-PHASES = (
+PARTS = (
     Phase("opening", "Opening", ("Speech",), script=("Hello",), planned=60.0),
     Phase("ride", panels=("Base",), after=("opening",)),
 )
@@ -20,7 +20,7 @@ PHASES = (
 
 def hosted(tmp_path: Path, scenario: Callable[[ServedSession], Awaitable[None]]) -> list[m.Message]:
     async def go() -> list[m.Message]:
-        made = replace(experiment(tmp_path), phases=PHASES)
+        made = replace(experiment(tmp_path), sections={PHASES: PARTS})
         async with served_session(tmp_path, made=made) as host:
             await scenario(host)
             return host.lines

@@ -36,7 +36,7 @@ from woz_tui.config.loading import load
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.screens.find import FindDialog
 from woz_tui.console.widgets.action_panels import ActionPanels
-from woz_tui.protocol.messages import PhaseChanged
+from woz_tui.features.phases.kinds import PhaseChanged
 from woz_tui.protocol.panels import ActionView
 from woz_tui.protocol.requests import AskAction, Welcome
 from woz_tui.session.participant_identity import SessionIdentity

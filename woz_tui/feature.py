@@ -110,6 +110,7 @@ class Feature:
         figures: An `analysis.feature_figures.FeatureFigures`: what it counts in sessions.
         report: An `analysis.feature_report.FeatureReport`: its tables in reports and exports.
         session_kind: A `host.session_kind.SessionKind`: a kind of session without a participant.
+        bookmarks: A `replay.bookmarks.FeatureBookmarks`: what of it a replay can go to.
         start: An option with which a session can begin.
         performer: Who carries out the verbs of its section; its piece `session` is a
             `session.session_features.PerformingFeature` then.
@@ -137,6 +138,7 @@ class Feature:
     figures: ClassVar[str] = ""
     report: ClassVar[str] = ""
     session_kind: ClassVar[str] = ""
+    bookmarks: ClassVar[str] = ""
     start: ClassVar[StartOption | None] = None
     performer: ClassVar[PerformerName | None] = None
     command: ClassVar[CommandLine | None] = None

@@ -23,6 +23,7 @@ from woz_tui.export.tiers import (
     unique_names,
     without_overlaps,
 )
+from woz_tui.features.phases.kinds import PhaseChanged
 from woz_tui.log.coding_file import Coding, coding_path
 from woz_tui.protocol import messages as m
 
@@ -107,9 +108,9 @@ def test_phases_are_a_tier(tmp_path: Path) -> None:
     course: list[Timed] = [
         (0, start()),
         (1, m.TrialStarted(trial=1)),
-        (1, m.PhaseChanged(phase="opening", source="trial")),
+        (1, PhaseChanged(phase="opening", source="trial")),
         (2, m.ActionRequested(run="r1", action="Hello", panel="Speech", source="key")),
-        (3, m.PhaseChanged(phase="whales", source="key")),
+        (3, PhaseChanged(phase="whales", source="key")),
         (4, m.ActionDone(run="r1", action="Hello")),
         (5, m.TrialEnded(trial=1, outcome="done")),
     ]

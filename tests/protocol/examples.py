@@ -16,7 +16,7 @@ import msgspec
 from tests.protocol.feature_examples import feature_examples
 from tests.protocol.study_examples import BEGINNING, COURSE, FILE_SHA
 from woz_tui.features.blocks.kinds import BlockPlanned, BlockProblem, BlockTrouble, PlannedBehaviour
-from woz_tui.features.phases.kinds import AskPhase
+from woz_tui.features.phases.kinds import AskPhase, PhaseChanged
 from woz_tui.features.profiles.kinds import AskProfile, ProfileChanged
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -212,7 +212,7 @@ MESSAGES: tuple[m.Message, ...] = (
     m.Note(text="the visitor's phone rang"),
     m.Mistake(run="a00001", action="Hello", text="too early"),
     m.ScriptMoved(position=3),
-    m.PhaseChanged(phase="opening", source="trial", planned_us=120_000_000),
+    PhaseChanged(phase="opening", source="trial", planned_us=120_000_000),
     m.ScriptMoved(position=1, phase="opening", played=[0, 3], halted="failed"),
     m.PanelLocked(panel="Drive", locked=True),
     m.PanelLocked(panel="Whales", locked=True, source="phase"),

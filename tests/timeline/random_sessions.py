@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from tests.protocol.examples import messages as examples
 from woz_tui.config.engagement_words import STATES
 from woz_tui.features.delay.kinds import ActionHeld, ShapingChanged
+from woz_tui.features.phases.kinds import PhaseChanged
 from woz_tui.features.profiles.kinds import ProfileChanged
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
@@ -277,7 +278,7 @@ class Recording:
                 phase=self._chance.choice(["", "opening"]),
                 played=[1],
             ),
-            m.PhaseChanged(
+            PhaseChanged(
                 phase=self._chance.choice(["opening", "whales", "closing", ""]),
                 source=self._chance.choice(["key", "trial", "session", "reload"]),
             ),

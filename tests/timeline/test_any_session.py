@@ -16,6 +16,7 @@ from msgspec.structs import replace
 
 from tests.timeline.random_sessions import damaged, recordings, stamped, start
 from woz_tui.features.delay.history import DelayHistory
+from woz_tui.features.phases.history import PhaseHistory
 from woz_tui.features.profiles.history import ProfileHistory
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import messages as m
@@ -50,7 +51,7 @@ def known_state(state: SessionState) -> dict[str, Any]:
         "over": (study.over, study.trials_left),
         "answers": study.questionnaire and study.questionnaire.answers,
         "due": (study.due, study.had, study.checks),
-        "phase": (study.phase and study.phase.changed, study.phases),
+        "stage": study.stage and study.stage.began,
         "trial": (study.trial and study.trial.started, study.last_started, study.last_ended),
         "break": study.in_break and study.in_break.started,
         "model": (model.present, model.on, model.state, model.since, model.visitor, model.shown),
@@ -81,6 +82,7 @@ def known_state(state: SessionState) -> dict[str, Any]:
         "wizard": (state.locks, state.perception),
         "delay": state.history(DelayHistory).changed,
         "profile": state.history(ProfileHistory).changed,
+        "phases": state.history(PhaseHistory).begun,
         "rest": (state.consoles, state.recorder, state.start, state.end, state.scripts),
         "features": {kind: [*each.lines] for kind, each in state.histories.items()},
         "rerun": state.rerun and state.rerun.started,
@@ -133,9 +135,9 @@ def test_state_spans_and_parts_have_the_same_context(messages: list[m.Message]) 
         assert timeline.contexts.at(t, seq) == context
     for (t, _, context), (later, _, _) in pairwise(found):
         if later > t:  # it holds at the moment after the line
-            plain = replace(context, phase="")  # a part may have several phases
+            plain = replace(context, stage="")  # a part may have several stages
             assert {
-                replace(part.context, phase="")
+                replace(part.context, stage="")
                 for episode in timeline.episodes
                 for part in timeline.parts(episode)
                 if part.begin <= t < part.end

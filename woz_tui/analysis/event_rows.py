@@ -304,7 +304,7 @@ def context_fields(context: Context) -> dict[str, Any]:
         "participant": context.participant,
         "condition": context.condition,
         "trial": -1 if context.trial is None else context.trial,
-        "phase": context.phase,
+        "phase": context.stage,
     }
 
 
@@ -345,18 +345,18 @@ def trials(timeline: Timeline) -> Iterator[TrialRow]:
 
 def phases(timeline: Timeline, counted: Counted) -> Iterator[PhaseRow]:
     """All phases, also those in trials that do not count."""
-    found = timeline.of(e.PhaseEpisode)
+    found = timeline.of(e.StageEpisode)
     begins = [(each.begin, each.seq) for each in found]
     actions: Counter[int] = Counter()
     for act in timeline.of(e.ActionEpisode) if found else ():
-        if act.context.phase:
+        if act.context.stage:
             actions[bisect.bisect_right(begins, (act.begin, act.seq)) - 1] += 1
     for place, each in enumerate(found):
         yield PhaseRow(
             **context_fields(each.context) | {"phase": each.label},
             begin=each.begin,
             end=None if each.cut else each.end,
-            planned=each.changed.planned_us or None,
+            planned=each.planned_us or None,
             source=each.source,
             actions=actions[place],
             counted=counted(each.context),

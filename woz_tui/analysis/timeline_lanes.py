@@ -231,7 +231,7 @@ def _trial(trial: e.TrialEpisode, left_out: str) -> Interval:
     return _interval(trial, label, "trial", outcome=outcome, detail=detail)
 
 
-def _phase(phase: e.PhaseEpisode) -> Interval:
+def _phase(phase: e.StageEpisode) -> Interval:
     return _interval(phase, phase.label, "phase", source=phase.source)
 
 
@@ -273,7 +273,7 @@ _MARKS: _Key = ("mark", "marks")
 #: What is drawn as an interval, on which lane, and how; actions have a lane for each panel.
 _DRAWN: Mapping[type[e.Episode], tuple[_Key, Callable[[Any], Interval | None]]] = {
     e.CommandEpisode: (("panel", DIRECT), _direct),
-    e.PhaseEpisode: (("phase", "phases"), _phase),
+    e.StageEpisode: (("phase", "phases"), _phase),
     e.BreakEpisode: (("trial", "trials"), _break),
     e.ModelStateEpisode: (("engagement", "engagement"), _state),
     e.UtteranceEpisode: (("speech", "visitor speaks"), _speech),

@@ -33,7 +33,7 @@ from woz_tui.console.state.feature_notes import StudyNews
 from woz_tui.console.state.remedy_text import remedy_text
 from woz_tui.console.widgets.bottom_rows import BarInfo, News
 from woz_tui.console.widgets.event_list import act_text
-from woz_tui.console.widgets.feature_console import FeatureConsole
+from woz_tui.console.widgets.feature_console import FeatureConsole, NextStep
 from woz_tui.console.widgets.main_screen import MainScreen
 from woz_tui.console.widgets.meters import turned_away
 from woz_tui.console.widgets.status_rows import StatusInfo
@@ -384,8 +384,15 @@ class Console(ScreenApp):
             failures=self._key("failures"),
             begin=self._begins(),
         )
-        keys = map(self._key, ("failures", "phase_next", "drivers", "cut"))
-        line = StatusInfo(self.feed.line_ok, self.feed.round_trip_us, *keys)
+        step = self._following()
+        line = StatusInfo(
+            self.feed.line_ok,
+            self.feed.round_trip_us,
+            failures=self._key("failures"),
+            drivers=self._key("drivers"),
+            cut=self._key("cut"),
+            following=(self._key(step.key), step.begins) if step is not None else ("", ""),
+        )
         frame = functools.partial(self._frame, now)
         self._main_screen.events.key = self._key("events")
         self._main_screen.paint(self.state, frame, line, bar, self.size)
@@ -402,9 +409,18 @@ class Console(ScreenApp):
             if study.planned and not study.trials_left:
                 return "", ""
             return self._key("trial"), f"begins trial {study.next_trial}"
-        phases = self.state.settings.phases
-        phase = study.next_phase(phases) if self.state.without_phase else None
-        return (self._key("phase_next"), f"begins {clean(phase.heading)}") if phase else ("", "")
+        step = self._following()
+        if step is None or not step.first:
+            return "", ""
+        return self._key(step.key), f"begins {clean(step.begins)}"
+
+    def _following(self) -> NextStep | None:
+        """What a feature's key goes on to."""
+        step: NextStep | None = None
+        for each in pieces("console", FeatureConsole).values():
+            if step is None and each.following is not None:
+                step = each.following(self.state)
+        return step
 
     def _hints(self) -> tuple[tuple[str, str], ...]:
         named = ((self._key(name), word) for name, word in hints(self.state, self.commands))

@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ from woz_tui.export.event_model import (
     InContext,
     SoundClip,
 )
-from woz_tui.export.feature_export import labels_and_texts
+from woz_tui.export.feature_export import labels_and_texts, parts_of_events
 from woz_tui.export.redaction import PLACEHOLDER
 from woz_tui.log.coding_file import MARKERS, Codings
 from woz_tui.log.file_names import media_folder
@@ -41,9 +42,9 @@ from woz_tui.timeline.episodes import (
     EpisodeOutcome,
     ModelStateEpisode,
     MomentEpisode,
-    PhaseEpisode,
     QuestionnaireEpisode,
     SettingEpisode,
+    StageEpisode,
     StopEpisode,
     TrialEpisode,
     UtteranceEpisode,
@@ -125,11 +126,16 @@ NOTES = "notes"
 #: moment, also those that begin or end an episode for which the formats have no interval.
 _PARTS = (
     *(m.ActionRequested, m.ActionEnd, m.Command, m.Ack),
-    *(m.TrialStarted, m.TrialEnded, m.PhaseChanged, m.BreakStarted, m.BreakEnded),
+    *(m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded),
     *(m.StopPressed, m.StopConfirmed, m.StopReleased),
     *(m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded),
     *(m.EngagementChanged, m.SpeechStarted, m.SpeechEnded, m.SpeechText),
 )
+
+
+@cache
+def _parts() -> tuple[type[m.Message], ...]:
+    return (*_PARTS, *parts_of_events())
 
 
 class EventExtractor:
@@ -162,7 +168,7 @@ class EventExtractor:
                 self.session.end_reason = reason or "-"
         if isinstance(message, m.Dispatched | m.Progress) and message.command in state.commands:
             return  # the command has it
-        if isinstance(message, _PARTS):
+        if isinstance(message, _parts()):
             self._lines[line.seq] = line.fields
         elif line.kind not in NO_EVENTS:
             t = min(max(line.t, state.t), LATEST_TIME)
@@ -234,8 +240,8 @@ class EventExtractor:
         event.text = self._text(trial.ended, "text")
         return event
 
-    def _phase(self, phase: PhaseEpisode) -> ExportEvent:
-        return self._begun(phase, "phase", phase.changed, "phase")
+    def _phase(self, phase: StageEpisode) -> ExportEvent:
+        return self._begun(phase, "phase", phase.began, "phase")
 
     def _break(self, pause: BreakEpisode) -> ExportEvent:
         event = self._begun(pause, "break", pause.started, "text")
@@ -284,7 +290,7 @@ class EventExtractor:
 
     def _stray(self, found: MomentEpisode) -> ExportEvent | None:
         """A line that belongs to nothing else; other moments are events already."""
-        if not isinstance(found.message, _PARTS):
+        if not isinstance(found.message, _parts()):
             return None
         return moment(found.seq, found.begin, found.label, self._fields(found.message))
 
@@ -349,7 +355,7 @@ class EventExtractor:
 
     def _belongs(self, row: InContext, context: Context) -> None:
         row.participant, row.condition = context.participant, context.condition
-        row.trial, row.phase = context.trial, context.phase
+        row.trial, row.phase = context.trial, context.stage
         people = participants_of(self.session.figures)
         row.counted = counts_in_means(self._timeline, people, context)
 
@@ -359,7 +365,7 @@ _EVENTS: Mapping[type[Episode], Callable[[EventExtractor, Any], ExportEvent | No
     ActionEpisode: EventExtractor._action,
     CommandEpisode: EventExtractor._command,
     TrialEpisode: EventExtractor._trial,
-    PhaseEpisode: EventExtractor._phase,
+    StageEpisode: EventExtractor._phase,
     BreakEpisode: EventExtractor._break,
     StopEpisode: EventExtractor._stop,
     QuestionnaireEpisode: EventExtractor._questionnaire,

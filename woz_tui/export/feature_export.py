@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from woz_tui.feature import pieces
+from woz_tui.protocol.envelope import Message
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +22,7 @@ class FeatureExport:
             program or labels of the experiment file; any other text does not.
         ids: Fields by whose value lines belong together, as by a run's.
         of_session: Kinds that say nothing of a participant, so that a withdrawal leaves them.
+        parts: Messages that begin an event which has an interval, and are none by themselves.
     """
 
     label_and_text: Mapping[str, tuple[str, str]] = field(default_factory=dict)
@@ -29,6 +31,7 @@ class FeatureExport:
     kept: Mapping[str, Collection[str]] = field(default_factory=dict)
     ids: Collection[str] = ()
     of_session: Collection[str] = ()
+    parts: Collection[type[Message]] = ()
 
 
 def exports() -> Iterable[FeatureExport]:
@@ -64,3 +67,9 @@ def kinds_of_session() -> frozenset[str]:
 def id_fields() -> tuple[str, ...]:
     """`ids` of all features."""
     return tuple(name for each in exports() for name in each.ids)
+
+
+@cache
+def parts_of_events() -> tuple[type[Message], ...]:
+    """`parts` of all features."""
+    return tuple(kind for each in exports() for kind in each.parts)

@@ -617,21 +617,6 @@ class ScriptMoved(Message, frozen=True, kw_only=True, tag="script.moved"):
     halted: str = msgspec.field(default_factory=str)
 
 
-class PhaseChanged(Message, frozen=True, kw_only=True, tag="phase.changed"):
-    """A phase of the experiment begins; an empty `phase`: none holds from here on.
-
-    `source`: key, palette, program; trial, session (a participant or a trial was set, or the
-    session begins) or reload where it began with that. `planned_us`: how long it is to last (0:
-    nobody said).
-    """
-
-    names_console = True
-    phase: str = msgspec.field(default_factory=str)
-    source: str = msgspec.field(default_factory=lambda: "key")
-    planned_us: int = 0
-    console: str = ""
-
-
 class PanelLocked(Message, frozen=True, kw_only=True, tag="panel.locked"):
     """A panel was locked or unlocked while running; `source` is phase where that did it."""
 
@@ -772,7 +757,6 @@ MESSAGES: tuple[type[Message], ...] = (
     Note,
     Mistake,
     ScriptMoved,
-    PhaseChanged,
     PanelLocked,
     ExperimentReloaded,
     ConsoleAttached,

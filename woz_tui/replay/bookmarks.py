@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import bisect
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from woz_tui.feature import pieces
 from woz_tui.log.line_order import count_falls
@@ -36,7 +36,6 @@ _EVENTS = (
     m.SessionEnd,
     m.TrialStarted,
     m.TrialEnded,
-    m.PhaseChanged,
     m.BreakStarted,
     m.BreakEnded,
     m.QuestionnaireStarted,
@@ -59,6 +58,17 @@ class Bookmark(NamedTuple):
     text: str
 
 
+#: Makes the mark of a line at `t`; None: it is none.
+BookmarkMaker = Callable[[Any, int], Bookmark | None]
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureBookmarks:
+    """What marks a feature's messages are."""
+
+    of: Mapping[type, BookmarkMaker]
+
+
 def bookmark_of(message: object, t: int) -> Bookmark | None:
     """The mark that a line of the log is; None for most of them."""
     match message:
@@ -74,8 +84,6 @@ def bookmark_of(message: object, t: int) -> Bookmark | None:
             return Bookmark(t, "trial", f"trial {trial} {condition}".rstrip())
         case m.SessionChanged(trial=int(trial)):
             return Bookmark(t, SET, f"trial {trial}")
-        case m.PhaseChanged(phase=str(phase)) if phase:
-            return Bookmark(t, "phase", f"phase {phase}")
         case m.BreakStarted(text=text):
             return Bookmark(t, "break", f"break {text}".rstrip())
         case m.QuestionnaireStarted(questionnaire=name):
@@ -84,7 +92,16 @@ def bookmark_of(message: object, t: int) -> Bookmark | None:
             return Bookmark(t, "lost", f"{driver} lost")
         case m.SessionEnd(reason=reason):
             return Bookmark(t, "end", f"end: {reason}" if reason else "end")
-    return None
+    marked = _of_features().get(type(message))
+    return marked(message, t) if marked is not None else None
+
+
+@cache
+def _of_features() -> dict[type, BookmarkMaker]:
+    found: dict[type, BookmarkMaker] = {}
+    for each in pieces("bookmarks", FeatureBookmarks).values():
+        found |= each.of
+    return found
 
 
 def bookmarks_of(marks: Iterable[Bookmark | None]) -> list[Bookmark]:

@@ -142,8 +142,8 @@ class ScriptController:
     @property
     def name(self) -> str:
         """The script that Space plays: that of the phase, or the experiment's."""
-        phase = self._study.phase.label if self._study.phase is not None else ""
-        return phase if phase in self._scripts else ""
+        stage = self._study.stage
+        return stage.name if stage is not None and stage.name in self._scripts else ""
 
     @property
     def now(self) -> ScriptState:
@@ -155,7 +155,7 @@ class ScriptController:
         script = self.now
         if script.position >= len(script.lines):
             if not script.lines:
-                if len(self._scripts) > 1 and self._study.phase is None:
+                if len(self._scripts) > 1 and self._study.stage is None:
                     if self._study.between_trials:
                         raise RequestError(
                             "phases begin with a trial", "begin one", command="trial"

@@ -504,8 +504,6 @@ class Session:
                 self.scripts.spoke(episode)
         if isinstance(message, m.Mistake):
             self.scripts.mistaken(message.run)
-        if isinstance(message, m.PhaseChanged):
-            self.scripts.phase_began()
         if isinstance(message, m.TrialStarted):
             self.scripts.begin_anew()
 

@@ -23,6 +23,7 @@ from woz_tui.protocol.requests import Request
 from woz_tui.session.action_runner import ActionRunner
 from woz_tui.session.action_texts import ActionTexts, ComposedCall
 from woz_tui.session.participant_identity import SessionIdentity
+from woz_tui.session.script_control import ScriptController
 from woz_tui.timeline.session_state import SessionState
 
 log = logging.getLogger(__name__)
@@ -60,6 +61,7 @@ class FeatureSession(Protocol):
     locked: dict[str, bool]
     #: Shows consoles the panels as they are now.
     on_panels: Callable[[], None]
+    scripts: ScriptController
 
     def why_no_verb(self, call: Call, origin: RequestOrigin) -> Refusal | None:
         """Why this hand may not send it at the moment; None: it may."""

@@ -301,24 +301,29 @@ class TrialEpisode(Episode, frozen=True, kw_only=True):
         return self.ended.text if self.ended else ""
 
 
-class PhaseEpisode(Episode, frozen=True, kw_only=True):
-    """A phase of the experiment, breaks inside it included. `left` is what ended it: the change to
-    the next one, or the beginning or the end of a trial.
+class StageEpisode(Episode, frozen=True, kw_only=True):
+    """A part of the session or of a trial, breaks inside it included, where a feature divides them:
+    the experiment's phases do. `by` whom it began; `planned_us`: how long it was to last (0: nobody
+    said). `left` is what ended it: the beginning of the next one, or of another trial, or the end
+    of a trial.
     """
 
     kind = "phase"
-    changed: m.PhaseChanged
-    left: m.PhaseChanged | m.TrialStarted | m.TrialEnded | None = None
+    name: str
+    by: str = ""
+    planned_us: int = 0
+    began: m.Message
+    left: m.Message | None = None
 
     @property
     def label(self) -> str:
         """Its name."""
-        return self.changed.phase
+        return self.name
 
     @property
     def source(self) -> str:
         """Key, palette, program, trial or session."""
-        return self.changed.source
+        return self.by
 
 
 class BreakEpisode(Episode, frozen=True, kw_only=True):

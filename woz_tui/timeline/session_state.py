@@ -593,9 +593,6 @@ class SessionState:
         ended = self.study.end_trial(message, self.t)
         return (*ended, *self._moment(message)) if stray else ended
 
-    def _phase(self, message: m.PhaseChanged) -> Iterable[Episode]:
-        return [*self.study.change_phase(message, self.t)] or self._moment(message)
-
     def _break_ended(self, message: m.BreakEnded) -> Iterable[Episode]:
         if self.study.in_break is None:
             return self._moment(message)
@@ -712,7 +709,6 @@ CASES: dict[type[m.Message], _Case] = {
     m.AddressedChanged: _as_moment(_last_of("addressed", "driver")),
     m.SettingsShown: lambda state, message: state.robots.show(message, state.t),
     m.ScriptMoved: _as_moment(_last_of("scripts", "phase")),
-    m.PhaseChanged: S._phase,
     m.PanelLocked: _as_moment(_last_of("locks", "panel")),
     m.ConsoleAttached: _as_moment(_last_of("consoles", "console")),
     m.ConsoleLost: S._detached,

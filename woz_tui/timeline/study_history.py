@@ -1,4 +1,4 @@
-"""The study around a session: participant, condition, trials, phases, breaks, questionnaires."""
+"""The study around a session: participant, condition, trials, stages, breaks, questionnaires."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import copy
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol, TypeVar
 
 from msgspec.structs import replace
 
@@ -17,15 +16,12 @@ from woz_tui.timeline.episodes import (
     BreakEpisode,
     Episode,
     EpisodeOutcome,
-    PhaseEpisode,
     QuestionnaireEpisode,
+    StageEpisode,
     TrialEpisode,
     keep_latest,
 )
 from woz_tui.timeline.trial_context import Context
-
-#: Sources of a change with which the phases begin anew.
-RESTARTING_SOURCES = ("trial", "session")
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,23 +30,6 @@ class DueQuestionnaire:
 
     questionnaire: str
     trial: int = -1
-
-
-class PhaseLike(Protocol):
-    """A phase of the experiment file, or what a console is shown of it."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-        ...
-
-    @property
-    def after(self) -> Sequence[str]:
-        """It can begin once one of these has begun; none: at any time."""
-        ...
-
-
-P = TypeVar("P", bound=PhaseLike)
 
 
 @dataclass(slots=True)
@@ -67,9 +46,7 @@ class StudyState:
         context: To whom and what this moment belongs.
         next_trial: The number of the next trial, or of the present one.
         assigned: The order of conditions that was given last, perhaps to somebody else (`order`).
-        trial, phase, in_break, questionnaire: What is under way.
-        phases: Those that have begun since the trial or the participant's session began, by name:
-            the first line of each.
+        trial, stage, in_break, questionnaire: What is under way; a stage as a feature says it.
         last_started: Of trials.
         last_ended: How the participant's last trial ended; None: there was none.
         checks: Lines of the preflight list, by what was checked.
@@ -85,8 +62,7 @@ class StudyState:
     next_trial: int = 1
     assigned: m.ConditionsAssigned | None = None
     trial: TrialEpisode | None = None
-    phase: PhaseEpisode | None = None
-    phases: dict[str, m.PhaseChanged] = field(default_factory=dict)
+    stage: StageEpisode | None = None
     in_break: BreakEpisode | None = None
     questionnaire: QuestionnaireEpisode | None = None
     last_started: m.TrialStarted | None = None
@@ -115,7 +91,7 @@ class StudyState:
     def copy(self) -> StudyState:
         """An independent copy."""
         other = copy.copy(self)
-        for name in ("phases", "checks", "had", "_rounds", "_sources", "_ended"):
+        for name in ("checks", "had", "_rounds", "_sources", "_ended"):
             setattr(other, name, dict(getattr(self, name)))
         return other
 
@@ -194,22 +170,8 @@ class StudyState:
 
     @property
     def between_trials(self) -> bool:
-        """Whether the study has trials and none is under way: then no phase can begin."""
+        """Whether the study has trials and none is under way: then no stage can begin."""
         return self.designed and self.trial is None
-
-    def can_begin(self, phase: PhaseLike, phases: Sequence[PhaseLike]) -> bool:
-        """Whether this one of the file's `phases` can begin now; in a trial whatever has begun
-        once can.
-        """
-        follows = not phase.after or phase is phases[0] or self.phases.keys() & {*phase.after}
-        return bool(follows) and not self.between_trials
-
-    def next_phase(self, phases: Sequence[P]) -> P | None:
-        """The first of the file's `phases` behind the present one that can begin now."""
-        present = self.phase.label if self.phase is not None else ""
-        places = [place for place, each in enumerate(phases) if each.name == present]
-        behind = phases[places[0] + 1 :] if places else phases
-        return next((each for each in behind if self.can_begin(each, phases)), None)
 
     @property
     def number(self) -> int | None:
@@ -273,7 +235,6 @@ class StudyState:
         yield from self._sources.values()
         yield from self.checks.values()
         yield from self.had.values()
-        yield from self.phases.values()
         yield from self._rounds.values()
         yield from self._ended.values()
         study = (self.assigned, self.last_started, self._over, self._order_then)
@@ -285,7 +246,7 @@ class StudyState:
 
     def open(self) -> Iterator[Episode]:
         """Episodes that have not ended."""
-        for episode in (self.trial, self.phase, self.in_break, self.questionnaire):
+        for episode in (self.trial, self.stage, self.in_break, self.questionnaire):
             if episode is not None:
                 yield episode
 
@@ -357,7 +318,7 @@ class StudyState:
             trial=None if in_break else number,
             run=None if in_break or trial is None else trial.seq,
             in_break=in_break,
-            phase="" if in_break or self.phase is None else self.phase.label,
+            stage="" if in_break or self.stage is None else self.stage.label,
         )
         if context != self.context:
             self.context = context
@@ -367,7 +328,7 @@ class StudyState:
     def begin_trial(self, message: m.TrialStarted, t: int) -> Iterator[Episode]:
         """A trial begins, whatever was before: of what has no end in the log this is the end."""
         yield from self._cut("in_break", t)
-        yield from self._end_phase(message, t)
+        yield from self._end_stage(message, t)
         yield from self._cut("trial", t)
         self._begin_trials()
         self.trial = TrialEpisode(begin=t, seq=message.seq, started=message)
@@ -381,9 +342,9 @@ class StudyState:
         yield self.trial
 
     def end_trial(self, message: m.TrialEnded, t: int) -> Iterator[Episode]:
-        """A trial is over, and with it the phase and the break inside it."""
+        """A trial is over, and with it the stage and the break inside it."""
         yield from self._cut("in_break", t)
-        yield from self._end_phase(message, t)
+        yield from self._end_stage(message, t)
         if self.trial is not None:
             yield replace(self.trial, end=t, outcome=message.outcome, ended=message)
         self.trial = None
@@ -398,24 +359,20 @@ class StudyState:
             self._order_then = self.assigned
         self._enter()
 
-    def change_phase(self, message: m.PhaseChanged, t: int) -> Iterator[Episode]:
-        """Another phase holds, or none; with a trial or a session all of them begin anew."""
-        begun = {} if message.source in RESTARTING_SOURCES else self.phases
-        yield from self._end_phase(message, t)
-        self.phases = begun
-        if message.phase:
-            self.phase = PhaseEpisode(begin=t, seq=message.seq, changed=message)
-            if message.phase not in begun:
-                keep_latest(begun, message.phase, message)
-            yield self.phase
+    def change_stage(
+        self, stage: StageEpisode | None, message: m.Message, t: int
+    ) -> Iterator[Episode]:
+        """With this message another stage begins; None: there is none any more."""
+        yield from self._end_stage(message, t)
+        self.stage = stage
+        if stage is not None:
+            yield stage
         self._enter()
 
-    def _end_phase(
-        self, message: m.PhaseChanged | m.TrialStarted | m.TrialEnded, t: int
-    ) -> Iterator[Episode]:
-        if self.phase is not None:
-            yield replace(self.phase, end=t, outcome=EpisodeOutcome.DONE, left=message)
-        self.phase, self.phases = None, {}
+    def _end_stage(self, message: m.Message, t: int) -> Iterator[Episode]:
+        if self.stage is not None:
+            yield replace(self.stage, end=t, outcome=EpisodeOutcome.DONE, left=message)
+        self.stage = None
 
     def begin_break(self, message: m.BreakStarted, t: int) -> Iterator[Episode]:
         """A break begins: what happens now belongs to no trial."""

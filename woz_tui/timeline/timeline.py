@@ -154,7 +154,7 @@ class Timeline:
         context = self.state.context
         if not self._begun:
             self._begun = True
-            early = replace(context, trial=None, run=None, in_break=False, phase="")
+            early = replace(context, trial=None, run=None, in_break=False, stage="")
             self.contexts.rename_first(early)
             if early == context:
                 return

@@ -8,18 +8,19 @@ from collections.abc import Iterator
 import msgspec
 from msgspec.structs import replace
 
-#: A phase that begins so soon (microseconds) after a trial begins with it.
+#: A stage that begins so soon (microseconds) after a trial begins with it.
 AT_ONCE_US = 1000
 
 
 class Context(msgspec.Struct, frozen=True, kw_only=True):
-    """The participant, condition, trial and phase to which a moment belongs.
+    """The participant, condition, trial and stage to which a moment belongs.
 
     `participant` and `condition` are codes, empty while nobody has set one. `trial` is the trial's
     number, None outside of trials and in breaks. `run` tells trials of one number apart: it is the
     `seq` of the line `trial.started`, None for a number that was only set by hand. `in_break`:
-    there is a break, inside a trial or outside. `phase` is the name of the phase of the experiment,
-    empty while none holds and in breaks.
+    there is a break, inside a trial or outside. `stage` is the name of the part of the session or
+    trial, where a feature divides them (the phase of the experiment), empty while none holds and in
+    breaks.
     """
 
     participant: str = ""
@@ -27,7 +28,7 @@ class Context(msgspec.Struct, frozen=True, kw_only=True):
     trial: int | None = None
     run: int | None = None
     in_break: bool = False
-    phase: str = ""
+    stage: str = ""
 
 
 class ContextSpan(msgspec.Struct, frozen=True):
@@ -50,7 +51,7 @@ class Contexts:
         #: Time and `seq` from which each context holds, rising.
         self._begins: list[tuple[int, int]] = []
         self._contexts: list[Context] = []
-        #: The number of each one's stretch: those that only differ in the phase have the same.
+        #: The number of each one's stretch: those that only differ in the stage have the same.
         self._stretches: list[int] = []
 
     def enter(self, t: int, seq: int, context: Context) -> None:
@@ -59,7 +60,7 @@ class Contexts:
             t, seq = max((t, seq), self._begins[-1])
         self._begins.append((t, seq))
         before = self._contexts[-1] if self._contexts else None
-        same = before is not None and replace(before, phase=context.phase) == context
+        same = before is not None and replace(before, stage=context.stage) == context
         self._stretches.append(self._stretches[-1] + (not same) if self._stretches else 0)
         self._contexts.append(context)
 
@@ -100,7 +101,7 @@ class Contexts:
 
     def parts(self, begin: int, end: int, seq: int) -> tuple[ContextSpan, ...]:
         """The pieces of the time from `begin` to `end`, each in one context: gapless, in order.
-        A change of phase alone begins no new piece; a piece has the context of its first phase.
+        A change of stage alone begins no new piece; a piece has the context of its first stage.
 
         What begins with the line `seq` at `begin` is in that line's context; pieces without length
         are left out, unless all of it has none.

@@ -12,7 +12,9 @@ import pytest
 from tests.session.rig import SessionRig, experiment
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Design, Study
+from woz_tui.features.phases.history import next_phase
 from woz_tui.features.phases.in_session import PhaseController
+from woz_tui.features.phases.kinds import PhaseChanged
 from woz_tui.features.phases.section import PHASES, Phase
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
@@ -42,7 +44,7 @@ def phases_of(session: Session) -> PhaseController:
 
 
 def changes(rig: SessionRig) -> list[tuple[str, str]]:
-    return [(line.phase, line.source) for line in rig.of(m.PhaseChanged)]
+    return [(line.phase, line.source) for line in rig.of(PhaseChanged)]
 
 
 def refusal_reason(session: Session, phase: str = "") -> str:
@@ -70,7 +72,7 @@ def test_one_after_the_other(tmp_path: Path) -> None:
         ("opening", "session"),
         *((name, "key") for name in ("ride", "closing", "ride", "opening", "closing")),
     ]
-    first = next(line for line in rig.of(m.PhaseChanged))
+    first = next(line for line in rig.of(PhaseChanged))
     assert first.planned_us == 120_000_000
 
 
@@ -167,7 +169,7 @@ def test_with_a_design_no_phase_begins_outside_a_trial(tmp_path: Path) -> None:
         phases_of(session).go_on("", KEY)
         session.study.trial("done", "")
         assert refusal_reason(session, "opening") == between[0]
-        assert session.state.study.next_phase(PARTS) is None  # the screen offers none
+        assert next_phase(session.state, PARTS) is None  # the screen offers none
 
     scripted = replace(PARTS[0], script=("Hello",))
     on_stage(tmp_path, scenario, Study(design=Design()), (scripted, *PARTS[1:]))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from tests.host.rig import ServedSession, served_session
 from tests.session.rig import experiment
+from woz_tui.features.phases.kinds import PhaseChanged
 from woz_tui.features.phases.section import PHASES, Phase
 from woz_tui.protocol import messages as m
 
@@ -29,7 +30,7 @@ def hosted(tmp_path: Path, scenario: Callable[[ServedSession], Awaitable[None]])
 
 
 def phases_begun(lines: list[m.Message]) -> list[tuple[str, str]]:
-    return [(line.phase, line.source) for line in lines if isinstance(line, m.PhaseChanged)]
+    return [(line.phase, line.source) for line in lines if isinstance(line, PhaseChanged)]
 
 
 def test_a_wizard_goes_on_and_a_newcomer_is_told_where(tmp_path: Path) -> None:

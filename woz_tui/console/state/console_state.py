@@ -163,14 +163,9 @@ class ConsoleState:
     @property
     def phase(self) -> PhaseView | None:
         """The phase that holds, as the file has it."""
-        begun = self.session.study.phase
-        phases = self.settings.phases if begun is not None else ()
-        return next((each for each in phases if begun and each.name == begun.label), None)
-
-    @property
-    def without_phase(self) -> bool:
-        """Whether the file has phases and none holds."""
-        return bool(self.settings.phases) and self.session.study.phase is None
+        stage = self.session.study.stage
+        phases = self.settings.phases if stage is not None else ()
+        return next((each for each in phases if stage and each.name == stage.name), None)
 
     @property
     def front(self) -> Sequence[PanelView]:

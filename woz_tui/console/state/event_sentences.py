@@ -417,12 +417,6 @@ def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
     return EventLine("note", f"Mistake: {what}", message.text)
 
 
-def _phase(message: m.PhaseChanged, shown: EventContext) -> EventLine:
-    heading = shown.heading(message.phase)
-    asker = other_console(message.console, shown)
-    return EventLine("info", f"Phase {heading}" if heading else "No phase holds", asker)
-
-
 def _lock(message: m.PanelLocked, shown: EventContext) -> EventLine | None:
     if message.source == "phase":
         return None  # the phase has a line
@@ -503,7 +497,6 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.Note: _note,
     m.Mistake: _mistake,
     m.PanelLocked: _lock,
-    m.PhaseChanged: _phase,
     m.ExperimentReloaded: _reloaded,
     m.ConsoleAttached: _attached,
     m.ConsoleLost: _lost,

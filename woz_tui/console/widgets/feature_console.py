@@ -71,16 +71,28 @@ class FoundRequest:
 
 
 @dataclass(frozen=True, slots=True)
+class NextStep:
+    """What a key goes on to: the key's id, and what that begins. `first`: there is nothing yet that
+    it would go on from.
+    """
+
+    key: str
+    begins: str
+    first: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class FeatureConsole:
     """What a feature has on the screen. Nothing in it may import Textual: dialogs are named.
 
     `commands`: what can be done with it. `status`: what stands at the right of the first status
-    row, and is never left out. `under_way`: what stands before the failures in the second one; it
-    is given the key that cuts what began last, and the cells that are left. `board`: lines above
-    the panels. `offers`: the dialog that opens by itself now. `instead`: the dialog `module:Class`
-    that opens now for a command of the console, by the id of its key, instead of what it does
-    otherwise; empty: nothing, None: as otherwise. `finds`: what the palette finds beside its
-    commands.
+    row, and is never left out. `present`: what stands in the second one, right of the drivers; a
+    name in it has so many cells at the most. `following`: what its key goes on to, named beside it.
+    `under_way`: what stands before the failures there; it is given the key that cuts what began
+    last, and the cells that are left. `board`: lines above the panels. `offers`: the dialog that
+    opens by itself now. `instead`: the dialog `module:Class` that opens now for a command of the
+    console, by the id of its key, instead of what it does otherwise; empty: nothing, None: as
+    otherwise. `finds`: what the palette finds beside its commands.
     """
 
     commands: tuple[FeatureCommand, ...] = ()
@@ -89,4 +101,6 @@ class FeatureConsole:
     board: Board | None = None
     offers: Callable[[ConsoleState], DialogOffer | None] | None = None
     instead: Mapping[str, Callable[[ConsoleState], str | None]] = field(default_factory=dict)
+    present: Callable[[ConsoleState, PaintFrame, int], Row] | None = None
+    following: Callable[[ConsoleState], NextStep | None] | None = None
     finds: Callable[[ConsoleState], Iterable[FoundRequest]] | None = None

@@ -13,7 +13,6 @@ from woz_tui.console.drawing.cells import (
     Row,
     clean,
     fit,
-    fit_most,
     length,
     spread,
 )
@@ -34,8 +33,8 @@ SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
 LATE_US = 1_000_000
 #: Columns from which words stand before figures.
 WORDY = 100
-#: Cells of a phase's title before drivers and the next phase have their room.
-PHASE = 18
+#: Cells of the name of what holds (a phase's title), at the most while others want room.
+PRESENT = 18
 #: Cells between the drivers and what stands at the right.
 GAP = 3
 #: Cells that a long title keeps beside a trial.
@@ -45,16 +44,16 @@ TITLE = 8
 @dataclass(frozen=True, slots=True)
 class StatusInfo:
     """The line to the wizard's terminal: whether it takes output, its round trip if known; and
-    the keys that show what has failed, that go on to the next phase, that say what is wrong with a
-    driver, and that cut short what began last.
+    the keys that show what has failed, that say what is wrong with a driver, and that cut short
+    what began last. `following`: the key that goes on, and what that begins.
     """
 
     well: bool = True
     round_trip_us: int | None = None
     failures: str = "enter"
-    phase: str = ""
     drivers: str = ""
     cut: str = ""
+    following: tuple[str, str] = ("", "")
 
 
 def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> list[Row]:
@@ -74,18 +73,17 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
     )
     room = width - length(vitals)
     first = spread(_fitting(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
-    for each in pieces("console", FeatureConsole).values():
+    for name, each in pieces("console", FeatureConsole).items():
         if each.under_way is not None:
-            failures = (
-                *each.under_way(state, frame, line.cut, width - length(failures)),
-                *failures,
-            )
-    room = width - length(failures) - length(phase := _phase(state, frame, PHASE))
-    drivers = _drivers(state, glyphs, room - GAP if phase else room)
+            left = width - length(failures)
+            begun = answer_of(name, (), each.under_way, state, frame, line.cut, left)
+            failures = (*begun, *failures)
+    room = width - length(failures) - length(present := _present(state, frame, PRESENT))
+    drivers = _drivers(state, glyphs, room - GAP if present else room)
     room -= length(drivers) + GAP
-    following = _next_phase(state, line.phase, room)
-    phase = _phase(state, frame, PHASE + max(0, room - length(following)))
-    return [first, spread(drivers, (*phase, *following, *failures), width, glyphs.ellipsis)]
+    following = _following(*line.following, room)
+    present = _present(state, frame, PRESENT + max(0, room - length(following)))
+    return [first, spread(drivers, (*present, *following, *failures), width, glyphs.ellipsis)]
 
 
 def _fitting(parts: list[Row], width: int) -> Row:
@@ -303,28 +301,19 @@ def _failures(state: ConsoleState, glyphs: Glyphs, key: str) -> Row:
     return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
 
 
-def _phase(state: ConsoleState, frame: PaintFrame, cells: int) -> Row:
-    """The phase with its time; its title has so many cells at the most."""
-    study, phases = state.session.study, state.settings.phases
-    if not phases:
-        return ()
-    row: Row = (("no phase ", "muted"),)
-    if (present := study.phase) is not None:
-        name = fit_most(state.heading(present.label), cells, frame.glyphs.ellipsis)
-        planned, passed = present.changed.planned_us, frame.now - present.begin
-        limit = f"/{elapsed(planned)}" if planned else ""
-        late = "warn" if 0 < planned < passed else "plain"
-        row = ((f"{name} ", "title"), (f"{elapsed(passed)}{limit} ", late))
+def _present(state: ConsoleState, frame: PaintFrame, cells: int) -> Row:
+    """What features say of what holds; a name in it has so many cells at the most."""
+    row: Row = ()
+    for name, each in pieces("console", FeatureConsole).items():
+        if each.present is not None:
+            row += answer_of(name, (), each.present, state, frame, cells)
     return row
 
 
-def _next_phase(state: ConsoleState, key: str, room: int) -> Row:
-    """The key that goes on, and the phase that it begins, where there is room."""
-    following = state.session.study.next_phase(state.settings.phases)
-    if following is None or not key:
-        return ()
-    then: Row = ((f" {key} ", "key"), (f" {clean(following.heading)} ", "muted"))
-    return then if length(then) <= room else ()
+def _following(key: str, begins: str, room: int) -> Row:
+    """The key that goes on, and what it begins, where there is room."""
+    then: Row = ((f" {key} ", "key"), (f" {clean(begins)} ", "muted"))
+    return then if key and length(then) <= room else ()
 
 
 def _seers(state: ConsoleState) -> Row:

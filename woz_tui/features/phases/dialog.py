@@ -10,6 +10,7 @@ from textual.content import Content
 
 from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
+from woz_tui.features.phases.history import PhaseHistory, can_begin, next_phase
 from woz_tui.features.phases.kinds import AskPhase
 from woz_tui.protocol.panels import PhaseView
 from woz_tui.system.text_cleaning import elapsed
@@ -40,7 +41,7 @@ class PhasesDialog(ChoiceDialog):
         """All phases of the file, in its order; a refusal is shown above the hints."""
         phases = self._phases
         width = min(TITLE, max((cell_len(clean(each.heading)) for each in phases), default=1))
-        following = self.state.session.study.next_phase(phases)
+        following = next_phase(self.state.session, phases)
         self.first = phases.index(following) if following is not None else None
         return [
             ListChoice(
@@ -55,17 +56,21 @@ class PhasesDialog(ChoiceDialog):
         ]
 
     def _mark(self, phase: PhaseView) -> str:
-        study = self.state.session.study
-        if study.phase is not None and study.phase.label == phase.name:
+        if self._is_present(phase):
             return self.glyphs.here
-        return self.glyphs.done if phase.name in study.phases else " "
+        begun = self.state.session.history(PhaseHistory).begun
+        return self.glyphs.done if phase.name in begun else " "
+
+    def _is_present(self, phase: PhaseView) -> bool:
+        stage = self.state.session.study.stage
+        return stage is not None and stage.name == phase.name
 
     def _about(self, phase: PhaseView) -> str:
-        study, state = self.state.session.study, self.state
+        state = self.state
         parts = []
-        if study.phase is not None and study.phase.label == phase.name:
+        if self._is_present(phase):
             parts.append("present")
-        elif phase.after and not study.can_begin(phase, self._phases):
+        elif phase.after and not can_begin(state.session, phase, self._phases):
             parts.append(f"after {' or '.join(map(state.heading, phase.after))}")
         if phase.planned:
             parts.append(f"planned {elapsed(round(phase.planned * 1_000_000))}")

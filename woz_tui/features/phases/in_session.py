@@ -8,7 +8,8 @@ from dataclasses import replace
 from typing import Any, ClassVar
 
 from woz_tui.config.experiment import Experiment
-from woz_tui.features.phases.kinds import AskPhase
+from woz_tui.features.phases.history import can_begin, next_phase
+from woz_tui.features.phases.kinds import AskPhase, PhaseChanged
 from woz_tui.features.phases.section import PHASES, Phase, PresentPhase, locked_by
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
@@ -71,16 +72,16 @@ class PhaseController(SessionFeature):
 
     def _phase_to_begin(self, name: str) -> Phase:
         """The phase `name`, or the next one if empty. Raises `RequestError` if it cannot begin."""
-        experiment, study = self.session.experiment, self.session.state.study
+        experiment = self.session.experiment
         phases = PHASES.of(experiment)
         if not phases:
             raise RequestError(
                 "the experiment has no phases", "add them to the file: phases: [...]"
             )
-        if study.between_trials:
+        if self.session.state.study.between_trials:
             raise RequestError("phases begin with a trial", "begin one", command="trial")
         if not name:
-            following = study.next_phase(phases)
+            following = next_phase(self.session.state, phases)
             if following is None:
                 raise RequestError("no later phase can begin now", "choose one", command="phases")
             return following
@@ -90,7 +91,7 @@ class PhaseController(SessionFeature):
             raise RequestError(f"there is no phase {name!r}", f"there are {listed}")
         if name == self.name:
             raise RequestError(f"{phase.heading} is the present phase")
-        if not study.can_begin(phase, phases):
+        if not can_begin(self.session.state, phase, phases):
             before = [each.heading for each in phases if each.name in phase.after]
             raise RequestError(f"{phase.heading} comes after {' or '.join(before)}")
         return phase
@@ -100,7 +101,7 @@ class PhaseController(SessionFeature):
         self.name = phase.name if phase is not None else ""
         planned_us = round(phase.planned * 1_000_000) if phase is not None else 0
         self.session.hub.publish(
-            m.PhaseChanged(phase=self.name, source=source, planned_us=planned_us)
+            PhaseChanged(phase=self.name, source=source, planned_us=planned_us)
         )
         self._lock_others(phase)
 
@@ -109,6 +110,9 @@ class PhaseController(SessionFeature):
         for name in phase.on_enter if phase is not None else ():
             with contextlib.suppress(RequestError):
                 self.session.play(name, replace(origin, source=SOURCE))
+
+    def _changed(self, message: PhaseChanged) -> None:
+        self.session.scripts.phase_began()
 
     def adopt(self, experiment: Experiment) -> None:
         """With the same phase, if it is still there."""
@@ -157,6 +161,7 @@ class PhaseController(SessionFeature):
                 self.locked.add(panel)
 
     hears: ClassVar[Mapping[type[m.Message], Callable[[Any, Any], object]]] = {
+        PhaseChanged: _changed,
         m.TrialStarted: _trial_began,
         m.TrialEnded: _trial_ended,
         m.PanelLocked: _panel_locked,

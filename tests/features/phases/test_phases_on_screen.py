@@ -15,7 +15,7 @@ from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS, by_key
 from woz_tui.console.input.keyboard import HELD_US, Keyboard
-from woz_tui.features.phases.kinds import AskPhase
+from woz_tui.features.phases.kinds import AskPhase, PhaseChanged
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.system.clock import ManualClock
@@ -36,8 +36,8 @@ def guide(**settings: Any) -> r.Welcome:
     return scenes.welcome(settings={"phases": PHASES, **settings})
 
 
-def begins(phase: str, source: str = "key", **more: Any) -> m.PhaseChanged:
-    return m.PhaseChanged(phase=phase, source=source, **more)
+def begins(phase: str, source: str = "key", **more: Any) -> PhaseChanged:
+    return PhaseChanged(phase=phase, source=source, **more)
 
 
 async def at(pilot: ConsolePilot, message: Any, seq: int = 5000) -> None:

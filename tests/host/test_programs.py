@@ -65,20 +65,19 @@ ASKED: list[tuple[str, dict[str, Any], str]] = [
 ]
 
 
+def with_profile(folder: Path) -> Experiment:
+    child = Profile(name="child", actions=frozenset({"Hello"}))
+    made = replace(experiment(folder), sections={PROFILES: {"child": child}})
+    return replace(made, session=SessionSettings())
+
+
 def limited(folder: Path) -> Experiment:
     """With a profile and phases."""
-    made = experiment(folder)
-    return replace(
-        made,
-        sections={
-            PROFILES: {"child": Profile(name="child", actions=frozenset({"Hello"}))},
-            PHASES: (
-                Phase(name="opening", panels=("Base",), lock_others=True),
-                Phase(name="closing", panels=("Speech",), after=("opening",)),
-            ),
-        },
-        session=SessionSettings(),
+    phases = (
+        Phase(name="opening", panels=("Base",), lock_others=True),
+        Phase(name="closing", panels=("Speech",), after=("opening",)),
     )
+    return with_phases(with_profile(folder), phases)
 
 
 def with_phases(made: Experiment, phases: Iterable[Phase]) -> Experiment:
@@ -198,7 +197,7 @@ async def test_a_program_gives_no_consent_whatever_it_claims(
 
 
 async def test_a_profile_binds_a_program(tmp_path: Path) -> None:
-    made = with_phases(limited(tmp_path), ())
+    made = with_profile(tmp_path)
     async with served_session(tmp_path, made=made) as host:
         peer = await program(host)
         await peer.ask("profile", profile="child")

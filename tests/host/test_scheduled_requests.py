@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from tests.host.rig import Peer, ServedSession, served_session
-from tests.host.test_programs import limited, program
-from woz_tui.features.phases.in_session import PhaseController
+from tests.host.test_programs import program, with_profile
 from woz_tui.gate.table import MOST_SCHEDULED
 from woz_tui.protocol import messages as m
 
@@ -90,10 +89,9 @@ async def test_what_waits_can_be_ended(
 async def test_what_was_locked_in_the_meantime_does_not_begin(
     tmp_path: Path, kind: str, fields: dict[str, Any]
 ) -> None:
-    experiment = limited(tmp_path)
+    experiment = with_profile(tmp_path)
     async with served_session(tmp_path, made=experiment) as host:
         peer = await program(host)
-        host.session.features.of(PhaseController).enter(None, "test")
         run = (await peer.ask(kind, **fields, at=soon(host, 1.5)))["run"]
         await peer.ask("profile", profile="child")
         await peer.ask("lock", panel="Speech", locked=True)

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.session.rig import SessionRig, experiment
-from woz_tui.features.phases.in_session import PhaseController
-from woz_tui.features.phases.section import PHASES, Phase
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
@@ -27,15 +27,15 @@ def on_stage(
     tmp_path: Path,
     scenario: Callable[[SessionRig], Awaitable[None]],
     script: tuple[str, ...] = LINES,
-    phases: tuple[Phase, ...] = (),
+    sections: Mapping[object, Any] = MappingProxyType({}),
 ) -> SessionRig:
-    """The rig with this script and these phases, in virtual time."""
+    """The rig with this script and these sections of features, in virtual time."""
 
     async def with_participant(rig: SessionRig) -> None:
         rig.session.set(participant="P01")
         await scenario(rig)
 
-    made = replace(experiment(tmp_path), script=script, sections={PHASES: phases})
+    made = replace(experiment(tmp_path), script=script, sections=sections)
     return SessionRig(tmp_path, made=made).run(with_participant)
 
 
@@ -255,50 +255,6 @@ def test_the_stop_keeps_the_line_that_it_ended(tmp_path: Path) -> None:
         assert stands(rig) == (1, [0], "")
 
     on_stage(tmp_path, scenario)
-
-
-def test_each_phase_has_its_own_script(tmp_path: Path) -> None:
-    phases = (
-        Phase("opening", script=("Hello", "Welcome")),
-        Phase("talk"),
-        Phase("end", script=("Map",)),
-    )
-
-    async def scenario(rig: SessionRig) -> None:
-        session = rig.session
-        session.play("Welcome", KEY)
-        session.features.of(PhaseController).go_on("talk", KEY)
-        assert (session.scripts.name, session.scripts.now.lines) == ("", LINES)
-        session.play("Map", KEY)
-        assert stands(rig) == (0, [3], "")
-        session.features.of(PhaseController).go_on("opening", KEY)
-        assert stands(rig) == (0, [1], "")
-        session.features.of(PhaseController).go_on("end", KEY)
-        session.play("Hello", KEY)  # the key of another phase's line
-        session.features.of(PhaseController).go_on("opening", KEY)
-        assert stands(rig)[1] == [1]
-        assert rig.session.state.scripts[""].played == [0, 3]
-
-    on_stage(tmp_path, scenario, LINES, phases)
-
-
-def test_how_a_line_ended_is_forgotten_when_a_phase_begins(tmp_path: Path) -> None:
-    phases = (Phase("opening", script=("Welcome",)), Phase("day", script=("Hello", "Fall")))
-
-    async def scenario(rig: SessionRig) -> None:
-        session = rig.session
-        session.send("say", {"text": "something long"}, "", KEY)
-        await asyncio.sleep(0.1)
-        run = session.play("Hello", KEY)
-        await asyncio.sleep(0.1)
-        session.cancel(run)  # before it began
-        await asyncio.sleep(5)
-        assert session.state.scripts["day"].halted
-        session.features.of(PhaseController).go_on("day", KEY)
-        assert stands(rig) == (0, [], "")
-        assert session.state.scripts["day"].halted == ""
-
-    on_stage(tmp_path, scenario, (), phases)
 
 
 def test_how_a_line_ended_is_forgotten_when_another_is_played_again() -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from tests.config.reading import panel, read_experiment
 from woz_tui.features.phases.section import PHASES
+from woz_tui.features.training.session_kind import TRAINING
 
 KEYS = """phases:
   - {title: Opening, panels: [P], script: A, after: closing}
@@ -36,3 +37,9 @@ def test_phases_of_a_file(tmp_path: Path) -> None:
         "phases[3].after: 'lost' can never begin: none of these phases can",
         "phases[4].after: 'found' can never begin: none of these phases can",
     ]
+
+
+def test_cues_of_a_training_want_answers_of_all_phases(tmp_path: Path) -> None:
+    whole = read_experiment(tmp_path, panel("{label: A, say: Hi}") + "phases: [{name: talk}]\n")
+    assert PHASES.of(whole)
+    assert PHASES.of(TRAINING.experiment(whole)) == ()

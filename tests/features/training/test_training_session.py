@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,7 +11,6 @@ import pytest
 from tests.host.rig import ServedSession, served_session
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
-from woz_tui.features.phases.section import PHASES, Phase
 from woz_tui.features.training import training_course
 from woz_tui.features.training.cue_plan import PlannedCue
 from woz_tui.features.training.in_session import TrainingSession
@@ -130,8 +128,6 @@ def test_nobody_is_asked_anything_in_a_training() -> None:
     kept = ("design", "perception")
     assert all(getattr(left.study, name) == getattr(whole.study, name) for name in kept)
     assert (left.panels, left.sections) == (whole.panels, whole.sections)
-    talk = replace(whole, sections={PHASES: (Phase("talk", panels=("Speech",)),)})
-    assert PHASES.of(TRAINING.experiment(talk)) == ()
 
 
 def test_none_begins_while_the_session_ends() -> None:

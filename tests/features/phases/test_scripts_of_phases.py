@@ -1,0 +1,55 @@
+"""Scripts of phases: which Space plays, and what becomes of their lines."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+from tests.session.rig import SessionRig
+from tests.session.test_script_control import KEY, LINES, on_stage, stands
+from woz_tui.features.phases.in_session import PhaseController
+from woz_tui.features.phases.section import PHASES, Phase
+
+
+def test_each_phase_has_its_own_script(tmp_path: Path) -> None:
+    phases = (
+        Phase("opening", script=("Hello", "Welcome")),
+        Phase("talk"),
+        Phase("end", script=("Map",)),
+    )
+
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
+        session.play("Welcome", KEY)
+        session.features.of(PhaseController).go_on("talk", KEY)
+        assert (session.scripts.name, session.scripts.now.lines) == ("", LINES)
+        session.play("Map", KEY)
+        assert stands(rig) == (0, [3], "")
+        session.features.of(PhaseController).go_on("opening", KEY)
+        assert stands(rig) == (0, [1], "")
+        session.features.of(PhaseController).go_on("end", KEY)
+        session.play("Hello", KEY)  # the key of another phase's line
+        session.features.of(PhaseController).go_on("opening", KEY)
+        assert stands(rig)[1] == [1]
+        assert rig.session.state.scripts[""].played == [0, 3]
+
+    on_stage(tmp_path, scenario, LINES, {PHASES: phases})
+
+
+def test_how_a_line_ended_is_forgotten_when_a_phase_begins(tmp_path: Path) -> None:
+    phases = (Phase("opening", script=("Welcome",)), Phase("day", script=("Hello", "Fall")))
+
+    async def scenario(rig: SessionRig) -> None:
+        session = rig.session
+        session.send("say", {"text": "something long"}, "", KEY)
+        await asyncio.sleep(0.1)
+        run = session.play("Hello", KEY)
+        await asyncio.sleep(0.1)
+        session.cancel(run)  # before it began
+        await asyncio.sleep(5)
+        assert session.state.scripts["day"].halted
+        session.features.of(PhaseController).go_on("day", KEY)
+        assert stands(rig) == (0, [], "")
+        assert session.state.scripts["day"].halted == ""
+
+    on_stage(tmp_path, scenario, (), {PHASES: phases})

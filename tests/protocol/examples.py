@@ -16,7 +16,6 @@ import msgspec
 from tests.protocol.feature_examples import feature_examples
 from tests.protocol.study_examples import BEGINNING, COURSE, FILE_SHA
 from woz_tui.features.blocks.kinds import BlockPlanned, BlockProblem, BlockTrouble, PlannedBehaviour
-from woz_tui.features.phases.kinds import AskPhase, PhaseChanged
 from woz_tui.features.profiles.kinds import AskProfile, ProfileChanged
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -212,7 +211,7 @@ MESSAGES: tuple[m.Message, ...] = (
     m.Note(text="the visitor's phone rang"),
     m.Mistake(run="a00001", action="Hello", text="too early"),
     m.ScriptMoved(position=3),
-    PhaseChanged(phase="opening", source="trial", planned_us=120_000_000),
+    *feature_examples("phases", "MESSAGES"),
     m.ScriptMoved(position=1, phase="opening", played=[0, 3], halted="failed"),
     m.PanelLocked(panel="Drive", locked=True),
     m.PanelLocked(panel="Whales", locked=True, source="phase"),
@@ -424,8 +423,7 @@ REQUESTS: tuple[r.Request, ...] = (
     r.AskMistake(ref=15, run="a00001", text="too early"),
     r.AskLock(ref=16, panel="Drive", locked=False),
     AskProfile(ref=21, profile="child", source="palette"),
-    AskPhase(ref=36, phase="whales", source="palette"),
-    AskPhase(ref=37, source="key", key=")", age_us=4_000_000, stale=True),
+    *feature_examples("phases", "REQUESTS"),
     r.AskReload(ref=17, dry_run=True),
     r.AskKeepTyped(ref=38, dry_run=True),
     r.AskPreflight(ref=18),

@@ -372,8 +372,8 @@ def test_held_tells_where_it_would_go_and_off_that_it_is() -> None:
     engagement_shown = engagement_scene.engagement_shown(
         "EngagedWithUnknown", run="hold", next="Handshake"
     )
-    assert "■ held: would go to Handshake" in meters(engagement_shown)
-    assert "■ held → Handshake" in meters(engagement_shown, frame=LOW)
+    assert "■ held: next asks the name" in meters(engagement_shown)
+    assert "■ held → asks the name" in meters(engagement_shown, frame=LOW)
     assert "■ held" in meters(engagement_scene.engagement_shown(run="hold"), frame=LOW)
     assert "■ off" in meters(engagement_scene.engagement_shown(run="off"))
     assert "held" not in meters(engagement_scene.engagement_shown())

@@ -28,7 +28,7 @@ TRACES = {
     "distance": ["0.84", "0.8 m", "personal"],
     "loudness": ["-31 dB", " dB"],
     "identity": ["v12", "visitor 12", "introduced"],
-    "engagement": ["RobotThinks", "EngagedWith", "UserSpeaks", "attention"],
+    "engagement": ["waits for", "engaged,", "visitor speaks", "attention"],
     "joints": ["14°", "30°", "-6°"],
     "direction": ["77"],
 }

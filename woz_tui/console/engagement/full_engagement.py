@@ -18,14 +18,15 @@ from woz_tui.console.state.engagement_text import (
     condition_row,
     count_text,
     has_no_sensor,
-    headline,
     is_used,
     needed_text,
     path_row,
     run_piece,
+    short_state,
     sign_verdict,
     signs_of,
     state_row,
+    state_sentence,
     visitor_code,
 )
 from woz_tui.protocol import messages as m
@@ -37,6 +38,8 @@ from woz_tui.system.text_cleaning import elapsed
 
 #: Columns of the table of signs: name, sensed, filter, verdict; the bar takes what is left.
 _NAME, _SENSED, _FILTER, _VERDICT = 9, 15, 7, 28
+#: Cells of a state in the list of changes.
+_STATE = 18
 #: Cells from which the filter is named.
 _WITH_FILTER = 70
 #: The bar's cells at the most.
@@ -78,12 +81,12 @@ def _spacer(frame: PaintFrame) -> list[Row]:
 
 
 def _head(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
-    """State, time, run; at the right visitor and attention."""
+    """State, time, run; at the right what is known of the visitor, and attention."""
     glyphs = frame.glyphs
-    row: Row = (
-        *headline(shown, glyphs, old=bool(state.lost)),
-        (f"  {elapsed(frame.now - shown.since)}", "plain"),
-    )
+    row: Row = state_row(state.engaged, shown, frame.now, glyphs, frame.width)
+    if state.lost:
+        told = state_sentence(shown.state, shown.visitor, glyphs)
+        row = ((f"{glyphs.stale} {told}", "stale"),)
     if shown.attempt:
         row += ((f"  attempt {shown.attempt}", "plain"),)
     run = run_piece(shown, glyphs)
@@ -105,11 +108,11 @@ def _head(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> R
 
 
 def _second(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
-    """The state as a sentence, what is being said, which limits run."""
+    """Since when, what is being said, which limits run."""
     glyphs, engaged = frame.glyphs, state.engaged
     if state.lost:
         return ((f"{glyphs.stale} {state.lost.part.sentence}: all this is old", "stale"),)
-    row = (*state_row(engaged, shown, frame.now, glyphs, frame.width)[:2], ("   ", "plain"))
+    row: Row = ((f"  for {elapsed(frame.now - shown.since)}   ", "muted"),)
     if (segment := engaged.speaking(frame.now)) is not None:
         row += ((f"{glyphs.yes} speech {seconds(frame.now - segment.begin)}   ", "good"),)
     limits = running_limits(state, shown, frame.now)
@@ -210,14 +213,13 @@ def _condition(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame)
 
 
 def _history(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
-    """The changes, newest on top: when, to what, by which outcome, why, and by whom."""
+    """The changes, newest on top: when, to what, why, and by whom."""
     glyphs = frame.glyphs
     rows: list[Row] = [
         (
             (f"{elapsed(change.t):>6} ", "muted"),
             (f"{glyphs.forced} " if change.forced else "  ", "wait"),
-            (fit(change.now, 19, glyphs.ellipsis), "plain"),
-            (fit(change.outcome, 15, glyphs.ellipsis), "muted"),
+            (fit(short_state(change.now), _STATE), "plain"),
             (glyphs.plain(clean(change_reason(change))), "muted"),
         )
         for change in reversed(state.engaged.changes)

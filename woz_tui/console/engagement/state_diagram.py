@@ -7,20 +7,21 @@ from collections.abc import Iterable, Mapping, Sequence
 from woz_tui.console.drawing.cells import Piece, Row
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.drawing.meter_rows import merge_pieces
+from woz_tui.console.state.engagement_text import short_state
 
 #: Cells of the drawing.
-WIDTH, HEIGHT = 60, 5
+WIDTH, HEIGHT = 64, 5
 #: Where each state's name begins: column, line.
 PLACES = {
     "Wait": (1, 0),
-    "PersonDetected": (10, 0),
-    "EngagedWithUnknown": (28, 0),
+    "PersonDetected": (12, 0),
+    "EngagedWithUnknown": (30, 0),
     "Handshake": (50, 0),
     "RobotSpeaks": (1, 2),
-    "EngagedWithKnown": (16, 2),
-    "UserSpeaks": (10, 4),
-    "RobotThinks": (25, 4),
-    "RobotReplies": (41, 4),
+    "EngagedWithKnown": (17, 2),
+    "UserSpeaks": (9, 4),
+    "RobotThinks": (27, 4),
+    "RobotReplies": (47, 4),
 }
 #: The line between two states, cell by cell from the first to the second: column, line.
 Cell = tuple[int, int]
@@ -32,21 +33,21 @@ def _across(line: int, begin: int, end: int) -> tuple[Cell, ...]:
 
 #: Each pair of states with an edge between them; the line stands for both directions.
 LINES: dict[tuple[str, str], tuple[Cell, ...]] = {
-    ("Wait", "PersonDetected"): _across(0, 6, 9),
-    ("PersonDetected", "EngagedWithUnknown"): _across(0, 25, 27),
+    ("Wait", "PersonDetected"): _across(0, 8, 11),
+    ("PersonDetected", "EngagedWithUnknown"): _across(0, 27, 29),
     ("EngagedWithUnknown", "Handshake"): _across(0, 47, 49),
     ("PersonDetected", "EngagedWithKnown"): ((18, 1),),
     ("EngagedWithUnknown", "EngagedWithKnown"): ((30, 1),),
-    ("Handshake", "EngagedWithKnown"): ((54, 1), *((x, 2) for x in range(54, 32, -1))),
-    ("EngagedWithKnown", "RobotSpeaks"): tuple((x, 2) for x in range(14, 12, -1)),
-    ("EngagedWithKnown", "UserSpeaks"): ((17, 3),),
-    ("EngagedWithKnown", "RobotThinks"): ((27, 3),),
-    ("EngagedWithKnown", "RobotReplies"): ((30, 3), *_across(3, 31, 47)),
-    ("UserSpeaks", "RobotThinks"): _across(4, 21, 24),
-    ("RobotThinks", "RobotReplies"): _across(4, 37, 40),
+    ("Handshake", "EngagedWithKnown"): ((54, 1), *((x, 2) for x in range(54, 31, -1))),
+    ("EngagedWithKnown", "RobotSpeaks"): tuple((x, 2) for x in range(15, 13, -1)),
+    ("EngagedWithKnown", "UserSpeaks"): ((18, 3),),
+    ("EngagedWithKnown", "RobotThinks"): ((28, 3),),
+    ("EngagedWithKnown", "RobotReplies"): ((30, 3), *_across(3, 31, 53)),
+    ("UserSpeaks", "RobotThinks"): _across(4, 24, 26),
+    ("RobotThinks", "RobotReplies"): _across(4, 44, 46),
 }
 #: Corners of those that turn: what stands there instead of a straight line.
-_CORNERS = {(54, 2): "upper-left", (30, 3): "upper-right", (46, 3): "lower-left"}
+_CORNERS = {(54, 2): "upper-left", (30, 3): "upper-right", (52, 3): "lower-left"}
 
 
 #: Signs of a line: across, down, and its corners.
@@ -116,7 +117,8 @@ def _head(cells: dict[Cell, Piece], edge: tuple[str, str], glyphs: Glyphs) -> No
 
 def _name(cells: dict[Cell, Piece], name: str, *, here: bool, been: bool) -> None:
     x, y = PLACES[name]
+    words = short_state(name)
     if here:
-        x, name = x - 1, f"[{name}]"
-    for offset, letter in enumerate(name):
+        x, words = x - 1, f"[{words}]"
+    for offset, letter in enumerate(words):
         cells[x + offset, y] = (letter, "fill" if here else "plain" if been else "muted")

@@ -16,9 +16,9 @@ from woz_tui.console.screens.dialog import (
     EntryDialog,
     FormDialog,
     content,
-    plain,
 )
 from woz_tui.console.state.engagement import EngagementView
+from woz_tui.console.state.engagement_text import short_state
 from woz_tui.console.state.wizard_overrides import (
     Override,
     forceable,
@@ -28,8 +28,8 @@ from woz_tui.console.state.wizard_overrides import (
     verb_request,
 )
 
-#: Cells of an outcome in the list.
-_OUTCOME = 16
+#: Cells of a state in the list.
+_STATE = 18
 #: Visitors that are listed at the most.
 _KNOWN = 6
 
@@ -75,21 +75,23 @@ class ForceDialog(_OverrideDialog, ChoiceDialog):
     def lines(self) -> list[Row]:
         """Where it begins."""
         shown = self.state.session.model.shown
-        here = clean(shown.state) if shown is not None else "not known"
+        here = short_state(shown.state) if shown is not None else "not known"
         return [(("from ", "muted"), (here, "strong"), ("; the log marks it as forced", "muted"))]
 
     def choices(self) -> Sequence[ListChoice]:
-        """Outcomes that leave the state first, then every other state."""
+        """Where an outcome leads from here first, then every other state; the outcome as it is in
+        the log.
+        """
         shown = self.state.session.model.shown
         self._from = shown.state if shown is not None else ""
-        arrow = self.glyphs.next
         return [
-            ListChoice(
-                plain(f"{fit(to, _OUTCOME)} {arrow} {state}" if state else f"{'':16} {arrow} {to}"),
-                partial(self._force, to, state),
-            )
+            ListChoice(content([self._row(to, state)]), partial(self._force, to, state))
             for to, state in forceable(shown)
         ]
+
+    def _row(self, to: str, state: str) -> Row:
+        words = fit(short_state(state or to), _STATE, self.glyphs.ellipsis)
+        return ((words, "plain"), (to if state else "", "muted"))
 
     def _force(self, to: str, state: str) -> None:
         """By its outcome; by its state if the model has moved on meanwhile."""

@@ -21,15 +21,18 @@ from woz_tui.system.text_cleaning import elapsed
 #: second and suffer two (T. Shiwa et al., How quickly should communication robots respond?, HRI
 #: 2008). From the second on our own: long before it, people speak again or turn away.
 SLOW_US, LONG_US = 2_000_000, 5_000_000
-#: A state in a word, for a path of several.
+#: A state in a few words, for the diagram and the path: its name is for files and logs.
 SHORT = {
-    "PersonDetected": "Detected",
-    "EngagedWithUnknown": "Unknown",
-    "EngagedWithKnown": "Known",
-    "UserSpeaks": "User",
-    "RobotThinks": "Thinks",
-    "RobotReplies": "Replies",
-    "RobotSpeaks": "Robot",
+    "Wait": "nobody",
+    "PersonDetected": "somebody there",
+    "EngagedWithUnknown": "engaged, no name",
+    "Handshake": "asks the name",
+    "EngagedWithKnown": "engaged, known",
+    "UserSpeaks": "visitor speaks",
+    "RobotThinks": "waits for answer",
+    "RobotReplies": "robot answers",
+    "RobotSpeaks": "robot speaks",
+    "stop": "ended",
 }
 #: What a state means for the wizard. `{who}` is `visitor V2`, or `visitor` while nobody knows who.
 SENTENCES = {
@@ -50,7 +53,7 @@ _WHOLE_US = 10_000_000
 WORD = {"presence": "person", "gaze": "looks", "distance": "near", "identity": "who?"}
 #: The mode of attention that nobody needs to be told.
 USUAL_ATTENTION = MODES[2]
-#: Cells of a state's short name at the most.
+#: Cells of a state's short name at the most, where nobody has written one.
 _SHORT_CELLS = 12
 #: What is not known of identities, as the model calls it.
 _UNKNOWN = ("", "Unknown")
@@ -69,7 +72,7 @@ class SignVerdict(NamedTuple):
 
 
 def short_state(state: str) -> str:
-    """A state in a word."""
+    """A state in a few words."""
     return SHORT.get(state) or fit(state, min(_SHORT_CELLS, cell_len(clean(state))))
 
 
@@ -147,13 +150,6 @@ def _in_per_cent(sign: m.SignShown) -> bool:
     return sign.filter == "joint" and sign.places == 100
 
 
-def headline(shown: m.EngagementShown, glyphs: Glyphs, *, old: bool = False) -> Row:
-    """The state, with the sign for whether the condition holds."""
-    if old:
-        return ((f"{glyphs.stale} ", "stale"), (clean(shown.state), "stale"))
-    return (_engaged_sign(shown, glyphs), (clean(shown.state), "strong"))
-
-
 def _engaged_sign(shown: m.EngagementShown, glyphs: Glyphs) -> Piece:
     return (f"{glyphs.yes} ", "good") if shown.engaged else (f"{glyphs.no} ", "muted")
 
@@ -217,7 +213,7 @@ def run_piece(shown: m.EngagementShown, glyphs: Glyphs, *, terse: bool = False) 
         return (f"{glyphs.stopped} held", "warn")
     if terse:
         return (f"{glyphs.stopped} held {glyphs.next} {short_state(shown.next)}", "warn")
-    return (f"{glyphs.stopped} held: would go to {clean(shown.next)}", "warn")
+    return (f"{glyphs.stopped} held: next {short_state(shown.next)}", "warn")
 
 
 def path_row(shown: m.EngagementShown, width: int, glyphs: Glyphs) -> Row:

@@ -320,6 +320,17 @@ async def test_the_screen_says_what_was_marked_as_a_mistake() -> None:
         assert "Look at the krill" in pilot.text("StopBar"), "another wizard's is theirs"
 
 
+async def test_the_event_of_a_mistake_has_what_was_said() -> None:
+    async with piloted_console(guide(), size=(160, 50)) as pilot:
+        await pilot.tell(
+            m.Command(
+                command="c1", driver="robot", verb="say", args={"text": "Hi."}, source="key", t=NOW
+            ),
+            m.Mistake(run="c1", action="say", t=NOW),
+        )
+        assert "Mistake: “Hi.”" in pilot.text("EventList")
+
+
 async def test_what_is_kept_is_not_told_of_a_mistake() -> None:
     async with piloted_console(guide(blind=True)) as pilot:
         await pilot.tell(*pressed_action("a1", "Secret", HIDDEN_TEXT, ("condition",)))

@@ -546,6 +546,10 @@ class ConsoleState:
         under_way = self.session.actions or self.session.commands
         return bool(under_way) or (not self.lost and self.engaged.moves(now))
 
+    def event_of(self, run: str) -> EventLine | None:
+        """The line of a run or a command, as long as the list has it."""
+        return next((event for event in reversed(self.events) if event.run == run != ""), None)
+
     def label(self, name: str) -> str:
         """The label of the action called `name`, or the name itself."""
         action = self.action(name)

@@ -89,6 +89,10 @@ class EventContext(Protocol):
         """The action of this name."""
         ...
 
+    def event_of(self, run: str) -> EventLine | None:
+        """The line of a run or a command, as long as the list has it."""
+        ...
+
     def label(self, name: str) -> str:
         """What the wizard calls it."""
         ...
@@ -413,8 +417,11 @@ def _note(message: m.Note, shown: EventContext) -> EventLine:
 
 
 def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
-    what = shown.label(message.action) if message.action else message.run
-    return EventLine("note", f"Mistake: {what}", message.text)
+    marked = shown.event_of(message.run)
+    if marked is None:
+        what = shown.label(message.action) if message.action else message.run
+        return EventLine("note", f"Mistake: {what}", message.text)
+    return EventLine("note", f"Mistake: {marked.text}", message.text, utterance=marked.utterance)
 
 
 def _lock(message: m.PanelLocked, shown: EventContext) -> EventLine | None:

@@ -122,10 +122,10 @@ def act_text(state: ConsoleState, run: str, action: str, glyphs: Glyphs) -> str:
     """What the list calls a run or a command, with what it said; `action`: its name, if the list
     does not have it.
     """
-    for event in reversed(state.events):
-        if event.run == run:
-            return f"{event.text} {quotation(event.utterance, glyphs)}".strip()
-    return state.label(action)
+    event = state.event_of(run)
+    if event is None:
+        return state.label(action)
+    return f"{event.text} {quotation(event.utterance, glyphs)}".strip()
 
 
 def _back(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Piece:

@@ -492,9 +492,18 @@ def test_figures() -> None:
 def test_a_tablet_that_nobody_has_touched_is_not_old() -> None:
     names = ("touch.x", "touch.y")
     nobody = [scenes.reading(NOW - 60_000_000, name, None) for name in names]
-    assert "x -       y -" in meters(*nobody)
+    assert "touch     nothing yet" in meters(*nobody)
     once = [scenes.reading(NOW - 60_000_000, name, 0.5) for name in names]
     assert "x ~0.5" in meters(*once)
+
+
+def test_what_a_robot_feels_is_told_in_words() -> None:
+    felt = {"bumper.left": 0.0, "bumper.right": 1.0, "left.fallen": 1.0, "button": 0.0}
+    shown = meters(*(scenes.reading(NOW, name, value) for name, value in felt.items()))
+    words = [line.split() for line in shown.splitlines()]
+    assert ["bumper", "left", "free", "right", "pressed"] in words
+    assert ["left.fallen", "yes"] in words
+    assert ["button", "free"] in words
 
 
 @pytest.mark.parametrize(

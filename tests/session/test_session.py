@@ -254,6 +254,8 @@ VALUES_IN_WORDS = {
     "battery": (0.874, "", "87%"),
     "distance": (5.0, "m", "5.00 m"),
     "temperature": (41.5, "C", "41.5 C"),
+    "fallen": (0.0, "", "no"),
+    "bumper": (1.0, "", "pressed"),
 }
 
 

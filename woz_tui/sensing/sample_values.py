@@ -59,6 +59,22 @@ def is_share(name: str, value: float, unit: str) -> bool:
     return name.rpartition(".")[2] == "battery" and not unit and 0.0 <= value <= 1.0
 
 
+#: What a sensor of two states says, at 0 and at 1, by a word of its name.
+_STATES = {
+    "touch": ("free", "touched"),
+    "bumper": ("free", "pressed"),
+    "button": ("free", "pressed"),
+    "fallen": ("no", "yes"),
+}
+
+
+def state_word(name: str, value: float) -> str:
+    """What a robot feels, in a word: `pressed` for a bumper's 1; empty: it is no such sensor."""
+    found = (_STATES[part] for part in name.split(".") if part in _STATES)
+    states = next(found, None) if value in (0.0, 1.0) else None
+    return states[int(value)] if states is not None else ""
+
+
 def _amount(value: object) -> float | None:
     found = float(value) if isinstance(value, bool) else number(value)
     return found if found is not None and 0.0 <= found < math.inf else None

@@ -35,7 +35,7 @@ from woz_tui.console.state.view_models import SensorView
 from woz_tui.console.state.wizard_overrides import is_offered
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.proxemics import ZONES, zone
-from woz_tui.sensing.sample_values import FLAGS, is_share
+from woz_tui.sensing.sample_values import FLAGS, is_share, state_word
 from woz_tui.session.redactor import HIDDEN, perceived_kind
 
 #: What one degree of freedom publishes; with its robot in front where several have the same.
@@ -221,6 +221,8 @@ def _group(
     members = []
     if all(state.perception.hides(perceived_kind(sensor.name)) for sensor in sensors):
         return hidden_row(name, frame)
+    if not any(sensor.value is not None or sensor.text for sensor in sensors):
+        return (name_piece("" if below else name, frame), ("nothing yet", "muted"))
     for sensor in sensors:
         # What has never been anything, such as a touch of a tablet, does not get old.
         stale = sensor.value is not None and state.is_stale(sensor, frame.now)
@@ -249,6 +251,8 @@ def figure(sensor: SensorView, glyphs: Glyphs) -> str:
     """A sensor's value with its unit, always equally many digits behind the point."""
     if sensor.value is None:
         return "" if sensor.text else glyphs.dash
+    if word := state_word(sensor.name, sensor.value):
+        return word
     if is_share(sensor.name, sensor.value, sensor.unit):
         return f"{sensor.value:.0%}"
     digits = _DIGITS.get(sensor.unit)

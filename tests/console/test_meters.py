@@ -507,7 +507,7 @@ def test_what_a_robot_feels_is_told_in_words() -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "unit", "shown"), [(0.874, "", "87%"), (77, "%", "77 %"), (12.6, "V", "12.6 V")]
+    ("value", "unit", "shown"), [(0.874, "", "87 %"), (77, "%", "77 %"), (12.6, "V", "12.6 V")]
 )
 def test_a_batterys_charge_is_told_in_percent(value: float, unit: str, shown: str) -> None:
     assert shown in meters(scenes.reading(NOW, "battery", value, unit=unit))

@@ -251,7 +251,7 @@ VALUES_IN_WORDS = {
     "gaze": (1.0, "", "looking"),
     "loudness": (0.0076, "", "-42 dB"),
     "people": (0.0, "", "nobody"),
-    "battery": (0.874, "", "87%"),
+    "battery": (0.874, "", "87 %"),
     "distance": (5.0, "m", "5.00 m"),
     "temperature": (41.5, "C", "41.5 C"),
     "fallen": (0.0, "", "no"),

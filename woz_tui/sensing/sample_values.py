@@ -52,6 +52,11 @@ def gaze(value: object) -> bool | None:
 FLAGS = {"presence": presence, "gaze": gaze}
 
 
+def percent(share: float) -> str:
+    """A share of 0 to 1 as it stands everywhere on the screen: `87 %`."""
+    return f"{100 * share:.0f} %"
+
+
 def is_share(name: str, value: float, unit: str) -> bool:
     """Whether a figure is a battery's charge as drivers give it, 0 to 1 without a unit: people know
     it in percent. The battery of one robot of several has its name in front: `left.battery`.

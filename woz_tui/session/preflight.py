@@ -8,7 +8,7 @@ from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import SPEECH, Finding
 from woz_tui.machine import machine_checks
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.sample_values import is_share, state_word
+from woz_tui.sensing.sample_values import is_share, percent, state_word
 from woz_tui.session.session import Session
 
 #: A sensor that has said nothing for longer than this is silent (microseconds), unless its readings
@@ -126,7 +126,7 @@ def _in_words(message: m.Reading) -> str:
     if word := state_word(message.sensor, message.value):
         return word
     if is_share(message.sensor, message.value, message.unit):
-        return f"{message.value:.0%}"
+        return percent(message.value)
     if message.unit == "m":
         return f"{message.value:.2f} m"
     return f"{message.value:.3g} {message.unit}".strip()

@@ -44,14 +44,14 @@ COLOR = Setting(name="eyes", section="Eyes", label="Colour", verb="eyes", kind="
         (VOLUME, 0.7, "0.70"),
         (VOLUME, 1, "1.00"),
         (VOLUME, math.nan, "?"),
-        (SPEED, 100.0, "100%"),
+        (SPEED, 100.0, "100 %"),
         (STATE, "solitary", "solitary"),
         (FLAG, True, "on"),
         (FLAG, False, "off"),
         (TEXT, "…", "…"),
         (TEXT, 3, "3"),
         (Setting(name="b", section="", label="", kind="number"), 0.834, "0.83"),
-        (Setting(name="battery", section="", label="", kind="number"), 0.834, "83%"),
+        (Setting(name="battery", section="", label="", kind="number"), 0.834, "83 %"),
         (Setting(name="battery", section="", label="", kind="number", unit="V"), 0.9, "0.90 V"),
         *((each, None, "-") for each in (VOLUME, STATE, FLAG, TEXT, COLOR)),
         (TEXT, "", "-"),
@@ -124,7 +124,7 @@ def test_no_typed_number_leaves_the_range(typed: str) -> None:
     try:
         value = typed_value(SPEED, typed)
     except SettingValueError as wrong:
-        assert "50% to 400%" in str(wrong)
+        assert "50 % to 400 %" in str(wrong)
         return
     assert isinstance(value, int | float)
     assert 50 <= value <= 400

@@ -81,5 +81,5 @@ def test_the_table_counts_what_was_right_and_tells_the_score(
     head, row = capsys.readouterr().out.splitlines()
     figures = ["cues", "right", "wrong", "missed", "uncalled", "score", "median", "p95"]
     assert head.split()[-8:] == figures
-    assert row.split()[-8:] == ["4", "3", "0", "1", "0", "75%", "2.00s", "2.90s"]
+    assert row.split()[-9:] == ["4", "3", "0", "1", "0", "75", "%", "2.00s", "2.90s"]
     assert max(len(head.rstrip()), len(row.rstrip())) <= 80

@@ -82,7 +82,7 @@ async def test_the_score_stands_on_the_screen_at_the_end() -> None:
         await pilot.settle()
         drawn = pilot.drawn()
         wrong = "wrong 1, missed 1, pressed without a cue 2"
-        for part in ("60%", "3 of 5 right", wrong, "1.24 s"):
+        for part in ("60 %", "3 of 5 right", wrong, "1.24 s"):
             assert part in drawn
         await pilot.press("down", "enter")
         assert isinstance(pilot.feed.last(r.AskEnd), r.AskEnd)

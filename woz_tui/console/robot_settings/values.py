@@ -9,12 +9,12 @@ from decimal import Decimal, InvalidOperation
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.robot_outline import Setting
-from woz_tui.sensing.sample_values import is_share
+from woz_tui.sensing.sample_values import is_share, percent
 
 _PASSWORD = re.compile(r"//[^/@]*:[^/]*@")
 _COLOR = re.compile("#[0-9a-fA-F]{6}")
 #: Units that stand right behind their figure.
-_CLOSE = frozenset("%°")
+_CLOSE = frozenset("°")
 #: Decimals of a figure at the most, and the step of figures that are only measured.
 _FINEST, _MEASURED = 4, 0.01
 
@@ -31,7 +31,7 @@ def value_text(setting: Setting, value: Json, glyphs: Glyphs) -> str:
         return "on" if value else "off"
     if isinstance(value, int | float) and setting.kind == "number":
         if not setting.verb and is_share(setting.name, value, setting.unit):
-            return f"{value:.0%}"
+            return percent(value)
         return glyphs.plain(number_text(setting, value, measured=not setting.verb))
     return glyphs.plain(str(value))
 

@@ -35,7 +35,7 @@ from woz_tui.console.state.view_models import SensorView
 from woz_tui.console.state.wizard_overrides import is_offered
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.proxemics import ZONES, zone
-from woz_tui.sensing.sample_values import FLAGS, is_share, state_word
+from woz_tui.sensing.sample_values import FLAGS, is_share, percent, state_word
 from woz_tui.session.redactor import HIDDEN, perceived_kind
 
 #: What one degree of freedom publishes; with its robot in front where several have the same.
@@ -254,7 +254,7 @@ def figure(sensor: SensorView, glyphs: Glyphs) -> str:
     if word := state_word(sensor.name, sensor.value):
         return word
     if is_share(sensor.name, sensor.value, sensor.unit):
-        return f"{sensor.value:.0%}"
+        return percent(sensor.value)
     digits = _DIGITS.get(sensor.unit)
     shown = f"{sensor.value:.4g}" if digits is None else f"{sensor.value:.{digits}f}"
     if shown.startswith("-") and not shown.strip("-0."):

@@ -19,6 +19,7 @@ from woz_tui.cli.shared_options import add_keymap, add_robot, add_theme, builtin
 from woz_tui.cli.wizard_code import remembered_wizard, wizard_code
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.features.training.score_history import TrainingScore, history, score_of
+from woz_tui.sensing.sample_values import percent
 from woz_tui.session.participant_identity import check_code
 
 #: Beside the recordings of sessions with participants, never among them.
@@ -155,7 +156,7 @@ def _row(score: TrainingScore) -> tuple[str, ...]:
         score.started[:10],
         score.title,
         *(str(getattr(training, name)) for name in _COUNTS),
-        "-" if training.score is None else f"{training.score:.0%}",
+        "-" if training.score is None else percent(training.score),
         _seconds(training.times.median),
         _seconds(training.times.p95),
     )

@@ -11,6 +11,7 @@ from woz_tui.console.drawing.key_caps import key_name
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.features.training.history import TrainingHistory
 from woz_tui.features.training.kinds import AskTraining
+from woz_tui.sensing.sample_values import percent
 
 
 class BeginDialog(ChoiceDialog):
@@ -48,7 +49,7 @@ class ScoreDialog(ChoiceDialog):
         if told is None:
             return []
         counted = told.right + told.wrong + told.missed
-        share = f"{told.right / counted:.0%}" if counted else "no cue"
+        share = percent(told.right / counted) if counted else "no cue"
         others = f"wrong {told.wrong}, missed {told.missed}, pressed without a cue {told.uncalled}"
         rows: list[Row] = [
             ((f"{share}: {told.right} of {counted} right", "strong"),),

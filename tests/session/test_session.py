@@ -245,6 +245,17 @@ def test_the_preflight_tells_what_is_odd_in_the_file(tmp_path: Path) -> None:
     on_stage(tmp_path, scenario)
 
 
+def test_the_preflight_warns_of_a_robot_that_cannot_move(tmp_path: Path) -> None:
+    off = "the motors are off: nothing moves until the robot is woken up"
+
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.hub.publish(m.SettingsShown(driver="robot", values={}, conflicts=[off]))
+        findings = [one for one in await preflight(rig.session) if one.subject == "robot"]
+        assert findings == [Finding("warning", "robot", off)]
+
+    on_stage(tmp_path, scenario)
+
+
 #: Sensor -> its value, the unit, and what a wizard reads.
 VALUES_IN_WORDS = {
     "presence": (0.0, "", "nobody"),

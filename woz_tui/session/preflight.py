@@ -72,7 +72,11 @@ def _drivers(session: Session) -> list[Finding]:
         driver = session.state.drivers.get(name)
         message = driver.health if driver is not None else None
         if isinstance(message, m.DriverConnected):
-            findings.append(Finding("ok", name, message.detail or "ready"))
+            told = session.state.robots.shown.get(name)
+            if told is not None and told.conflicts:
+                findings.append(Finding("warning", name, "; ".join(told.conflicts)))
+            else:
+                findings.append(Finding("ok", name, message.detail or "ready"))
         elif message is None or isinstance(message, m.DriverConnecting):
             findings.append(Finding("warning", name, "searching for its hardware"))
         else:

@@ -140,7 +140,7 @@ def test_a_terminal_is_asked_what_it_can_do(visit: Callable[..., DoctorRun]) -> 
         doctor_run = visit("--json", terminal=descriptor, TERM="xterm-kitty")
     levels = {finding["subject"]: finding["level"] for finding in doctor_run.find("Terminal")}
     assert levels["keys"] == "ok"
-    assert {"terminal", "characters", "colours", "size", "line"} <= set(levels)
+    assert {"terminal", "characters", "colours", "size", "connection"} <= set(levels)
 
 
 def test_a_good_file_has_its_drivers_examined(

@@ -291,7 +291,7 @@ async def test_preflight_lists_findings_with_remedies_and_runs_again() -> None:
         await open_dialog(pilot, "PreflightDialog")
         await pilot.until(lambda: "1 error" in pilot.drawn())
         drawn = pilot.drawn()
-        assert "line" in drawn
+        assert "connection" in drawn
         assert "This terminal cannot send some key combinations" in drawn
         assert "✓ head" in drawn
         assert "✗ disk" in drawn
@@ -303,7 +303,7 @@ async def test_preflight_lists_findings_with_remedies_and_runs_again() -> None:
 
 
 def test_preflight_judges_the_line() -> None:
-    assert line_finding(23_000) == Finding("ok", "line", "23 ms there and back")
+    assert line_finding(23_000) == Finding("ok", "connection", "23 ms there and back")
     assert line_finding(400_000).level == "warning"
     assert line_finding(None).level == "info"
     assert kind_finding(KITTY, "?").level == "ok"

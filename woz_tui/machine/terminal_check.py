@@ -149,14 +149,14 @@ def line(descriptor: int, seconds: float, times: int = 5) -> Finding:
         begin = time.monotonic()
         if not _CURSOR.search(_ask(descriptor, b"\x1b[6n", _CURSOR, seconds)):
             text = f"no answer within {seconds:g} s"
-            return Finding("warning", "line", text, "keys may arrive late or in bursts")
+            return Finding("warning", "connection", text, "keys may arrive late or in bursts")
         trips.append(time.monotonic() - begin)
     text = f"{statistics.median(trips) * 1e3:.1f} ms there and back, at worst "
     text += f"{max(trips) * 1e3:.1f} ms"
     if max(trips) < SLOW_LINE:
-        return Finding("ok", "line", text)
+        return Finding("ok", "connection", text)
     level = "error" if max(trips) >= STALE_LINE else "warning"
-    return Finding(level, "line", text, "use a cable or a nearer access point")
+    return Finding(level, "connection", text, "use a cable or a nearer access point")
 
 
 def _ask(descriptor: int, question: bytes, until: re.Pattern[bytes], seconds: float) -> bytes:
@@ -183,10 +183,12 @@ def multiplexers(environ: Mapping[str, str]) -> list[Finding]:
     """What tmux, screen and mosh hide: the escape key, which is the stop, and a lost line."""
     line, findings = hidden_line(environ), list[Finding]()
     if line.name:
-        seen = "is asked who is attached" if line.ask else "cannot be asked who is attached"
-        text = f"{line.name} answers in your terminal's place, and {seen}; a line that stands still"
-        remedy = "hold a key to drive; outside of it the line itself is watched"
-        findings.append(Finding("info", "line", f"{text} is not seen", remedy))
+        lost = "a frozen connection is not noticed, a closed one is"
+        if not line.ask:
+            lost = "neither a frozen nor a closed connection is noticed"
+        text = f"{line.name} stands between you and the console: {lost}"
+        remedy = f"hold a key to drive; without {line.name} the connection itself is watched"
+        findings.append(Finding("info", "connection", text, remedy))
     if environ.get("TMUX"):
         wait = output_of(["tmux", "show", "-gv", "escape-time"])
         findings.append(tmux_escape(wait, output_of(["tmux", "-V"])))

@@ -27,7 +27,7 @@ def test_a_kitty_terminal_tells_all_keys_apart() -> None:
     answers = {KITTY: b"\x1b[?0u", STATUS: b"\x1b[?62;c", CURSOR: b"\x1b[1;1R"}
     with answering(answers) as descriptor:
         keys, line = terminal_check.conversation(descriptor, PATIENT)
-    assert (keys.level, line.subject) == ("ok", "line")
+    assert (keys.level, line.subject) == ("ok", "connection")
     assert "kitty" in keys.text
     assert "there and back" in line.text
 
@@ -42,14 +42,14 @@ def test_a_plain_terminal_is_told_by_its_other_answer() -> None:
 def test_a_silent_terminal_is_not_waited_for() -> None:
     with answering({}) as descriptor:
         findings = terminal_check.conversation(descriptor, HASTY)
-    assert subjects(findings) == {"keys": "warning", "line": "warning"}
+    assert subjects(findings) == {"keys": "warning", "connection": "warning"}
 
 
 def test_garbage_is_no_answer() -> None:
     garbage = b"\xff\x1b[?\x00\x1b["
     with answering({STATUS: garbage, CURSOR: garbage}) as descriptor:
         findings = terminal_check.conversation(descriptor, HASTY)
-    assert subjects(findings) == {"keys": "warning", "line": "warning"}
+    assert subjects(findings) == {"keys": "warning", "connection": "warning"}
 
 
 def test_the_terminals_mode_is_as_it_was_afterwards() -> None:
@@ -99,7 +99,7 @@ def test_tmux_must_not_hold_the_stop_back(
 
 def test_screen_holds_the_stop_back() -> None:
     hidden, finding = terminal_check.multiplexers({"STY": "4711.pts-0.robot"})
-    assert hidden.subject == "line"
+    assert hidden.subject == "connection"
     assert "hold a key to drive" in hidden.remedy
     assert (finding.level, finding.subject) == ("warning", "screen")
     assert "maptimeout" in finding.remedy

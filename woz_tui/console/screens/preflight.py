@@ -57,7 +57,7 @@ def key_findings(state: ConsoleState, caps: Mapping[str, KeyCap]) -> list[Findin
                 level = "info" if cap.reserve else "warning"
                 subject = f"key {action.key}"
                 findings.append(Finding(level, subject, cap.why, f"for {action.label}"))
-    return findings or [Finding("ok", "keys", "all keys of the file reach the robot")]
+    return findings or [Finding("ok", "keys", "all keys of the file can be sent")]
 
 
 def sign_findings(state: ConsoleState) -> list[Finding]:
@@ -89,11 +89,11 @@ def line_finding(round_trip_us: int | None) -> Finding:
     """How long a key is on its way from the wizard's terminal, and back."""
     if round_trip_us is None:
         text = "the terminal has not answered yet; the delay of keys is not known"
-        return Finding("info", "line", text, "check again")
+        return Finding("info", "connection", text, "check again")
     text = f"{round_trip_us / 1000:.0f} ms there and back"
     if round_trip_us < SLOW_LINE_US:
-        return Finding("ok", "line", text)
-    return Finding("warning", "line", text, "use a cable or a nearer access point")
+        return Finding("ok", "connection", text)
+    return Finding("warning", "connection", text, "use a cable or a nearer access point")
 
 
 def kind_finding(terminal: Terminal, help_key: str) -> Finding:

@@ -324,7 +324,8 @@ def _confirmed(message: m.StopConfirmed, shown: EventContext) -> EventLine:
         return EventLine(
             "warning", "Stop confirmed late", f"after {message.elapsed_us / 1e6:.1f} s"
         )
-    return EventLine("stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
+    what = "Driving stop confirmed" if message.scope == "drive" else "Stop confirmed"
+    return EventLine("stop", what, f"in {message.elapsed_us / 1000:.0f} ms")
 
 
 def _sensor(message: m.SensorChanged, shown: EventContext) -> EventLine | None:

@@ -30,7 +30,7 @@ class PeekDialog(LiveReportDialog):
     """
 
     heading = "What a key would do"
-    hint = "key of an action: shown, not played · other keys close this and act"
+    hint = "press the key of an action to see it · any other key closes"
     size_class = "wide"
     indent = 2
     plays = True

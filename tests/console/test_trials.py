@@ -219,7 +219,7 @@ async def test_a_letter_that_does_nothing_names_those_that_do() -> None:
     async with piloted_console(study_scene.welcome(study_scene.trial())) as pilot:
         await pilot.press("asterisk", "z")
         await pilot.settle()
-        assert "there are: d a x p" in pilot.drawn()
+        assert "does nothing here; press d a x p" in pilot.drawn()
         assert isinstance(pilot.console.dialog, TrialDialog)
 
 
@@ -243,6 +243,15 @@ async def test_no_trial_can_be_begun_while_something_is_asked() -> None:
         await pilot.settle()
         assert "leave it unfinished" in pilot.drawn()
         assert "begin trial" not in pilot.drawn()
+
+
+async def test_the_row_of_the_script_says_what_the_trial_key_does_now() -> None:
+    first = msgspec.structs.replace(study_scene.welcome(study_scene.trial(4)), script=[])
+    async with piloted_console(first) as pilot:
+        await pilot.tell(trial_ended(4), study_scene.questionnaire_started(study_scene.QUICK))
+        assert "*  goes on with: This visit" in pilot.text("StopBar")
+        await pilot.tell(study_scene.questionnaire_ended("quick"))
+        assert "all trials are over" in pilot.text("StopBar")
 
 
 async def test_who_comes_late_hears_which_trial_is_next() -> None:

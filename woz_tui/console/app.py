@@ -403,11 +403,15 @@ class Console(ScreenApp):
         return PaintFrame(widget.size.width, widget.size.height, now, self.look.glyphs)
 
     def _begins(self) -> tuple[str, str]:
-        """The key of what is to begin before there is a script, and what; empty: nothing."""
+        """The key of what is to begin before there is a script, and what; without a key, why
+        nothing is.
+        """
         study = self.state.session.study
         if study.between_trials:
+            if (asked := self.state.study.open_questionnaire) is not None:
+                return self._key("trial"), f"goes on with: {clean(asked.questionnaire.heading)}"
             if study.planned and not study.trials_left:
-                return "", ""
+                return "", "all trials are over"
             return self._key("trial"), f"begins trial {study.next_trial}"
         step = self._following()
         if step is None or not step.first:

@@ -92,7 +92,7 @@ class TrialDialog(Dialog):
         if event.is_printable and event.character:
             event.stop()
             letters = " ".join(step.key for step in self._steps)
-            self.show_hint(f"nothing on {clean(event.character)} · there are: {letters}")
+            self.show_hint(f"{clean(event.character)} does nothing here; press {letters}")
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """So does enter."""

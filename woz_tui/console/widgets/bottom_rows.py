@@ -163,7 +163,7 @@ def script_row(
         if press:
             row = ((f" {press} ", "key"), (f" {does}", "strong"))
             return cut(row, frame.width, glyphs.ellipsis)
-        return ((fit(" no script", frame.width), "muted"),)
+        return ((fit(f" {does or 'no script'}", frame.width, glyphs.ellipsis), "muted"),)
     count = len(state.script)
     right = f" {len(state.played)}/{count} "
     front: Row = ((f" {key} ", "key"), (" ", "plain"))
@@ -261,7 +261,7 @@ class BarInfo:
     `take_over` lets a console that watches play, `failures` shows what can be done. `then`: keys
     and labels of what is likely to follow the last act. `asked_us`: session time at which this
     console asked for a stop that has not been answered yet. `begin`: where there is no script yet,
-    the key that begins something, and what.
+    the key that begins something, and what; without a key, why there is none.
     """
 
     news: News = News()

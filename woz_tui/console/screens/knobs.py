@@ -14,7 +14,7 @@ from woz_tui.protocol.messages import ControlsMoved
 class KnobsDialog(DrawingDialog):
     """One panel."""
 
-    heading = "Knobs"
+    heading = "MIDI panel"
     hint = "keys play · tab: the next panel · ctrl+q closes"
 
     def count(self) -> int:

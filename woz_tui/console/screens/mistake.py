@@ -9,11 +9,14 @@ from woz_tui.console.drawing.cells import Row, fit
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import content
 from woz_tui.console.state.event_sentences import EventLine
+from woz_tui.console.widgets.bottom_rows import quotation
 from woz_tui.protocol.requests import AskMistake
 from woz_tui.system.text_cleaning import elapsed
 
 #: So many of the last actions are offered.
 OFFERED = 40
+#: How an action stands, where its mark is no word for it.
+_STANDS = {"left_out": "not possible here", "sent": "sent, end not known", "waits": "counts later"}
 
 
 class MistakeDialog(ChoiceDialog):
@@ -22,7 +25,7 @@ class MistakeDialog(ChoiceDialog):
     """
 
     heading = "That was a mistake"
-    hint = "enter labels it in the log · ctrl+q closes"
+    hint = "arrows choose · enter marks it as a mistake · ctrl+q closes"
 
     def _events(self) -> list[EventLine]:
         runs = [event for event in self.state.events if event.run]
@@ -39,10 +42,11 @@ class MistakeDialog(ChoiceDialog):
         ]
 
     def _row(self, event: EventLine) -> Row:
+        what = f"{event.text} {quotation(event.utterance, self.glyphs)}"
         return (
             (f"{elapsed(event.t):>7}  ", "muted"),
-            (fit(event.text, 40, self.glyphs.ellipsis), "plain"),
-            ("  mistake" if event.mistake else f"  {event.mark}", "muted"),
+            (fit(what, 40, self.glyphs.ellipsis), "plain"),
+            (f"  {'mistake' if event.mistake else _STANDS.get(event.mark, event.mark)}", "muted"),
         )
 
     def _label(self, event: EventLine) -> Callable[[], None]:

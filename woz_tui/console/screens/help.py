@@ -33,7 +33,8 @@ class HelpDialog(ReportDialog):
         bound = self.console_app.keymap.builtins
         for command in dict.fromkeys(self.console_app.commands.values()):
             if command.verb in {"", *offered}:
-                note = "" if command.serves(self.state.role) else "for the wizard"
+                whose = "for the wizard" if command.serves("wizard") else "where you only watch"
+                note = "" if command.serves(self.state.role) else whose
                 for key in command.keys:
                     if (found := bound.get(key.id)) is not None:
                         rows += self._key(cap_of(found), found.wanted, key.description, note)

@@ -12,8 +12,8 @@ from woz_tui.protocol.messages import Json
 
 #: A body that was told no rate of its own breathes once in so many beats.
 BEATS_A_BREATH = 4
-#: Cells of the names in front of values, and where there is little room.
-NAMES, SHORT_NAMES = 11, 6
+#: Cells of the names in front of values, and where there is less room than `ROOMY`.
+NAMES, SHORT_NAMES, ROOMY = 12, 6, 22
 
 
 def emotion_of(seen: BodyView) -> tuple[str, float | None]:
@@ -56,10 +56,10 @@ def word_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[R
     """As much as fits beside a face, the most important first."""
     move = clean(str(seen.value("move") or "")) or glyphs.dash
     lines: list[tuple[str, str, str]] = [
-        ("shows", emotion_text(seen) or glyphs.dash, "plain"),
+        ("face", emotion_text(seen) or glyphs.dash, "plain"),
         ("mode", seen.mode, "plain" if seen.mode == "normal" else "wait"),
-        ("plays", move, "plain" if move == glyphs.dash else "run"),
-        ("is", _personality_text(seen) or glyphs.dash, "plain"),
+        ("move", move, "plain" if move == glyphs.dash else "run"),
+        ("personality", _personality_text(seen) or glyphs.dash, "plain"),
         ("breathes", _breathing(seen, glyphs), "plain"),
         ("blinks", _blinking(seen, glyphs), "plain"),
         ("tempo", value_text("tempo", seen.value("tempo"), glyphs), "plain"),
@@ -69,7 +69,7 @@ def word_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[R
         lines = [*lines[:2], *lines[-1:]]
     if height < len(lines):
         lines = [line for line in lines if line[1]][: max(1, height)]
-    names = NAMES if width >= 2 * NAMES else SHORT_NAMES
+    names = NAMES if width >= ROOMY else SHORT_NAMES
     return [
         ((fit(name, names, glyphs.ellipsis), "muted"), (clean(text), look))
         for name, text, look in lines[:height]

@@ -132,17 +132,17 @@ def _print(plan: Removal, found: StoredFiles) -> None:
     if plan.is_empty() and not plan.by_hand:
         print(f"{plan.code} stands in no file that can be searched")
     if plan.deleted:
-        print("Files of this participant alone, or made again at any time: they are deleted")
+        print("Files of this participant alone, or made again at any time: to be deleted")
         _print_files(plan.deleted)
     if plan.cut:
-        print("Sessions of several people: this participant is taken out")
+        print("Sessions of several people: only this participant is to be taken out")
         for session in plan.cut:
             print(f"  {session.log}{_lines(session.named.get(plan.code, {}))}")
             for path, what in session.beside_of([plan.code]):
                 if path != session.log:
                     print(f"    {path} ({what})")
     if plan.forgotten:
-        print("Stores in which this participant has an entry: it is deleted")
+        print("Stores in which this participant has an entry: to be deleted")
         _print_files(plan.forgotten)
     if plan.by_hand:
         print("To look at by hand")

@@ -16,6 +16,7 @@ from textual.keys import _character_to_key, key_to_character
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
+from tests.console import engagement_scene
 from tests.console.piloting import screen_text, work_through
 from tests.console.scripted_feed import ScriptedFeed
 from tests.replay.logs import PLAN, SECOND, START, KeptSamples, recording_of, stamped, story
@@ -317,6 +318,24 @@ async def test_going_to_a_place_that_is_found_by_its_letters() -> None:
         assert found.option_count == 1
         await pilot.press("enter")
         assert pilot.t == 50 * SECOND
+
+
+async def test_the_engagement_model_of_a_replay_is_told_in_words_and_not_taken_in_hand() -> None:
+    changed = m.EngagementChanged(
+        was="Wait", now="EngagedWithKnown", outcome="x", why="looks", verdicts={}
+    )
+    shown = engagement_scene.engagement_shown("EngagedWithKnown")
+    began, *rest = story()
+    lines = [began, *stamped([(4.0, changed), (4.1, shown)]), *rest]
+    recording = recording_of(sorted(lines, key=lambda each: each.t))
+    async with watching(ReplayStart(at_us=9 * SECOND, paused=True), recording=recording) as pilot:
+        await pilot.press("g", *"known")
+        assert "engaged, known" in pilot.drawn
+        assert "EngagedWithKnown" not in pilot.drawn
+        await pilot.press("ctrl+q", "=", "tab")
+        assert "[engaged, known]" in pilot.drawn
+        assert "in hand" not in pilot.drawn
+        assert "YOUR HAND" not in pilot.drawn
 
 
 async def test_the_list_of_places_begins_with_the_next_one() -> None:

@@ -108,11 +108,11 @@ def _head(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> R
 
 
 def _second(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
-    """Since when, what is being said, which limits run."""
+    """What is being said, which limits run."""
     glyphs, engaged = frame.glyphs, state.engaged
     if state.lost:
         return ((f"{glyphs.stale} {state.lost.part.sentence}: all this is old", "stale"),)
-    row: Row = ((f"  for {elapsed(frame.now - shown.since)}   ", "muted"),)
+    row: Row = (("  ", "plain"),)
     if (segment := engaged.speaking(frame.now)) is not None:
         row += ((f"{glyphs.yes} speech {seconds(frame.now - segment.begin)}   ", "good"),)
     limits = running_limits(state, shown, frame.now)

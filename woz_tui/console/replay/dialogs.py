@@ -14,6 +14,7 @@ from woz_tui.console.screens.choice import SearchDialog
 from woz_tui.console.screens.dialog import Dialog, ReportDialog
 from woz_tui.console.screens.help import HelpDialog
 from woz_tui.console.screens.note import NoteDialog
+from woz_tui.console.state.engagement_text import short_state
 from woz_tui.console.state.replay import TimelinePlace, wall_time
 from woz_tui.protocol.requests import AskMarker, AskReplay, Reply
 from woz_tui.protocol.welcome import ReplayedLog
@@ -42,7 +43,7 @@ class GoDialog(SearchDialog[TimelinePlace]):
         if t is not None:
             return [TimelinePlace(t, "time", "this time"), *(p for p in places if p.t >= t)]
         matcher = Matcher(typed)
-        return [p for p in places if not typed or matcher.match(f"{p.sort} {p.text}")]
+        return [p for p in places if not typed or matcher.match(f"{p.sort} {_told(p)}")]
 
     def first(self, typed: str) -> int:
         """The next one after now, as long as nothing is typed."""
@@ -59,7 +60,7 @@ class GoDialog(SearchDialog[TimelinePlace]):
             (sign, colour),
             "  ",
             (fit(item.sort, SORT, self.glyphs.ellipsis), "$woz-muted"),
-            clean(item.text),
+            clean(_told(item)),
         )
 
     def chose(self, item: TimelinePlace | None, typed: str) -> None:
@@ -67,6 +68,11 @@ class GoDialog(SearchDialog[TimelinePlace]):
         to = f"{item.t / 1_000_000:.6f}" if item is not None else typed
         if to:
             self.requests.ask(AskReplay(what="go", to=to))
+
+
+def _told(place: TimelinePlace) -> str:
+    """What is there, in the words of the screen."""
+    return short_state(place.text) if place.sort == "engagement" else place.text
 
 
 class _PausesReplay(Dialog):

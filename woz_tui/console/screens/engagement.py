@@ -37,6 +37,13 @@ class EngagementDialog(DrawingDialog):
         self._steers = False
         self.own_keys = _TAKE
 
+    def on_mount(self) -> None:
+        """In a replay there is nothing to take into the hand, and keys move through the log."""
+        if self.state.replay is not None:
+            self.own_keys = frozenset()
+            self.console_app.give_keys()
+            self.show_hint("ctrl+q closes")
+
     def count(self) -> int:
         """One, in a session with a model that has said something."""
         return int(self.state.session.model.shown is not None)
@@ -48,6 +55,8 @@ class EngagementDialog(DrawingDialog):
             return []
         covered, glyphs = self._covered(), frame.glyphs
         legend = legend_rows(self.state.engaged, covered, frame.width, glyphs, steers=self._steers)
+        if self.state.replay is not None:
+            legend = []
         inner = replace(frame, height=max(1, frame.height - len(legend)))
         rows = full_rows(self.state, shown, inner)
         return [*rows, *[()] * (inner.height - len(rows)), *legend]
@@ -75,7 +84,7 @@ class EngagementDialog(DrawingDialog):
         chord = from_textual(event.key, event.character)
         event.stop()
         if chord in _TAKE:
-            if self.count():
+            if self.count() and self.state.replay is None:
                 self._take_in_hand(not self._steers)
         elif self._steers and chord in BY_KEY:
             steer(self.console_app, BY_KEY[chord], chord)

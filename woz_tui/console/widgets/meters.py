@@ -238,7 +238,8 @@ def _alone(sensor: SensorView, state: ConsoleState, frame: MeterFrame) -> Row:
     stale = bool(ever) and state.is_stale(sensor, frame.now)
     parts = (clean(sensor.text), figure(sensor, frame.glyphs))
     text = " ".join(part for part in parts if part) or "nothing"
-    note = age_note(sensor.t, frame) if stale else clean(sensor.state)
+    told = "" if sensor.state == "ok" else clean(sensor.state)
+    note = age_note(sensor.t, frame) if stale else told
     room = max(1, frame.width - frame.name - cell_len(note) - 2)
     return (
         name_piece(sensor.name, frame),

@@ -59,7 +59,6 @@ PEPPER: Course = (
 )  # fmt: skip
 #: The museum guide on any robot.
 GUIDE: Course = (
-    _pressed(5.0, "Hold"),
     _pressed(8.0, "Hello"),
     _pressed(11.0, "Happy"),
     _pressed(12.0, "Quiz"),

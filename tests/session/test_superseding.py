@@ -177,7 +177,7 @@ def test_what_is_refused_replaces_nothing(tmp_path: Path) -> None:
     async def play(rig: SessionRig) -> None:
         rig.session.play("Map", KEY)
         await asyncio.sleep(0.5)
-        with pytest.raises(RequestError, match="busy"):
+        with pytest.raises(RequestError, match="still running"):
             rig.session.play("Gong", KEY)
 
     rig = scene(tmp_path, play)

@@ -241,7 +241,7 @@ class Lane:
         if pending.verb.stream or when_busy == "replace":
             self._make_way(pending)
         elif (when_busy == "refuse" or not pending.verb.waits) and (self.busy or self._waiting):
-            pending.refuse("busy", f"{self.driver_name} is busy")
+            pending.refuse("busy", "something else is still running")
             return
         elif len(self._waiting) >= self._room_for(pending):
             what = f"queue full ({len(self._waiting)})"

@@ -229,8 +229,8 @@ async def test_keys_play_until_tab_takes_the_model_into_the_hand() -> None:
         assert verbs(pilot) == [("toggle", {"sign": "gaze"})]
         assert requested_actions(pilot) == ["Coin hoard", "Nod", "Nod"], "other keys play on"
         assert any(isinstance(asked, r.AskScript) for asked in pilot.feed.asked)
-        assert "YOUR HAND" in pilot.drawn()
-        assert "not played meanwhile: p Pause, g Coin hoard" in pilot.drawn()
+        assert "BY HAND" in pilot.drawn()
+        assert "these play nothing meanwhile: p Pause, g Coin hoard" in pilot.drawn()
         await pilot.press("tab", "g")
         assert requested_actions(pilot)[-1] == "Coin hoard"
         assert len(verbs(pilot)) == 1

@@ -218,7 +218,7 @@ def test_every_state_is_told_from_the_others_by_its_short_name() -> None:
 async def test_the_palette_finds_what_the_hand_does() -> None:
     async with piloted_console(engagement_scene.welcome(), size=(100, 36)) as pilot:
         await open_dialog(pilot, "FindDialog")
-        await pilot.type("hold the machine")
+        await pilot.type("hold it in this state")
         await pilot.press("enter")
         asked = pilot.feed.last(r.AskVerb)
         assert isinstance(asked, r.AskVerb)
@@ -235,8 +235,8 @@ async def test_the_palette_finds_what_the_hand_does() -> None:
 async def test_without_a_model_nothing_of_it_is_offered() -> None:
     async with piloted_console(size=(100, 120)) as pilot:
         await open_dialog(pilot, "FindDialog")
-        await pilot.type("hold the machine")
-        assert "hold the machine" not in pilot.drawn().replace("hold the machine", "", 1)
+        await pilot.type("hold it in this state")
+        assert "hold it in this state" not in pilot.drawn().replace("hold it in this state", "", 1)
         await pilot.press("ctrl+q")
         await open_dialog(pilot, "HelpDialog")
         assert "Engagement by hand" not in pilot.drawn()
@@ -247,7 +247,7 @@ async def test_the_list_of_keys_tells_the_hands() -> None:
         await open_dialog(pilot, "HelpDialog")
         shown = pilot.drawn()
         assert "Engagement by hand  after = and Tab" in shown
-        assert "force a state or an outcome" in shown
+        assert "force a state, whatever the signs say" in shown
 
 
 def test_the_preflight_names_signs_that_nobody_gives() -> None:

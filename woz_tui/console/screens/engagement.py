@@ -21,8 +21,8 @@ from woz_tui.console.state.wizard_overrides import BY_KEY, KEYS, legend_rows
 
 _TAKE = frozenset(("tab", "shift+tab"))
 _HINTS = {
-    False: "keys play · tab: your hand · ctrl+q closes",
-    True: "YOUR HAND · tab: all keys play again · ctrl+q closes",
+    False: "keys play · tab: by hand · ctrl+q closes",
+    True: "BY HAND · tab: all keys play again · ctrl+q closes",
 }
 
 

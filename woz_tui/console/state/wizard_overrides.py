@@ -41,17 +41,17 @@ OVERRIDES = (
     Override("sensors", "s", "sensors", "engagement: all signs back to their sensors",
              "sense", {"sign": "all", "value": "sensor"}),
     Override("identity", "i", "identity", "engagement: who it is (by hand)"),
-    Override("hold", "h", "hold/run", "engagement: hold the machine, or let it run",
+    Override("hold", "h", "hold/run", "engagement: hold it in this state, or let it run",
              "engagement", {"run": HOLD}),
-    Override("step", "n", "step", "engagement: take the edge that is held back",
+    Override("step", "n", "step", "engagement: make the one change that is held back",
              "engagement", {"run": "step"}),
-    Override("force", "f", "force", "engagement: force a state or an outcome"),
-    Override("off", "o", "off/run", "engagement: switch the machine off, or on",
+    Override("force", "f", "force", "engagement: force a state, whatever the signs say"),
+    Override("off", "o", "off/run", "engagement: switch the model off, or on",
              "engagement", {"run": OFF}),
     Override("visitor", "v", "visitor", "engagement: name the visitor who stands there"),
-    Override("greeted", "k", "known", "engagement: the handshake worked",
+    Override("greeted", "k", "known", "engagement: the visitor has said a name",
              "handshake", {"what": "ok"}),
-    Override("unknown", "x", "unknown", "engagement: the handshake failed",
+    Override("unknown", "x", "unknown", "engagement: the visitor has said no name",
              "handshake", {"what": "fail"}),
 )  # fmt: skip
 BY_KEY = {order.key: order for order in OVERRIDES}
@@ -182,7 +182,7 @@ def legend_rows(
             (
                 ("Keys play the robot. ", "muted"),
                 (" tab ", "key"),
-                (" takes the model in hand: ", "plain"),
+                (" lets you set the model by hand: ", "plain"),
                 (keys, "muted"),
             )
         ]
@@ -217,4 +217,4 @@ def _counts(order: Override, engaged: EngagementView) -> bool:
 
 def _covered(covered: Mapping[str, str], glyphs: Glyphs) -> Row:
     told = ", ".join(f"{key} {clean(label)}" for key, label in covered.items())
-    return ((f"{glyphs.warning} not played meanwhile: {told}", "warn"),)
+    return ((f"{glyphs.warning} these play nothing meanwhile: {told}", "warn"),)

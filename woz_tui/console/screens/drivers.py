@@ -29,6 +29,7 @@ class DriversDialog(LiveReportDialog):
             look = _LOOKS.get(driver.health, "muted")
             rows.append(((f"{sign} {driver.name}  {driver.health}", look),))
             verbs = ", ".join(self.state.verbs.get(driver.name, []))
+            can = f"can: {verbs}" if verbs else ""
             robot = self.state.session.robots.shown.get(driver.name)
             old = robot is None or is_stale(self.state, driver.name)
             conflicts = [] if robot is None or old else robot.conflicts
@@ -36,7 +37,7 @@ class DriversDialog(LiveReportDialog):
                 (driver.detail, "plain"),
                 (remedy_text(driver.remedy, self.state), "run"),
                 *((remedy_text(conflict, self.state), "warn") for conflict in conflicts),
-                (verbs, "muted"),
+                (can, "muted"),
             ]
             rows += [((f"    {text}", tone),) for text, tone in texts if text]
             rows.append(())

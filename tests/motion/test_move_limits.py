@@ -21,7 +21,7 @@ def move(*frames: KeyFrame, beats: bool = False) -> KeyframeMove:
 
 
 def test_what_is_too_fast_names_frame_joint_what_is_reached_and_the_time_it_needs() -> None:
-    there_and_back = (KeyFrame(0.1, joints={"pitch": 80.0}), KeyFrame(1.0, joints={"pitch": 0.0}))
+    there_and_back = (KeyFrame(0.1, joints={"pitch": 80.0}), KeyFrame(0.4, joints={"pitch": 0.0}))
     (short,) = shortfalls(move(*there_and_back), EYEPI)
     assert (short.layer, short.frame, short.joint) == (MAIN, 1, "pitch")
     assert (short.way, short.limit) == (80.0, 360.0)

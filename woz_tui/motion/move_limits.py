@@ -15,7 +15,7 @@ from woz_tui.motion.safety import LimitedJoint, Limits
 #: Steps a second in which a move is looked at.
 RATE = 100
 #: A way of fewer degrees is none; what is missing counts from this share of it, and these degrees.
-_LEAST_WAY, _SHARE, _MISSING = 2.0, 0.05, 1.0
+_LEAST_WAY, _SHARE, _MISSING = 2.0, 0.1, 3.0
 #: The highest speed and acceleration of an easing, as a multiple of way / time and way / time
 #: squared. A joint that goes at one speed or jumps begins and ends as hard as it can: there the
 #: fastest way from rest to rest counts.
@@ -67,8 +67,8 @@ class Shortfall:
 def shortfalls(move: KeyframeMove, shape: BodyShape) -> list[Shortfall]:
     """Frames that the joints of a body do not reach in time, played from its home pose as written.
 
-    A frame of which more than 5 % and more than 1 degree is missing counts; a `hold` jumps on
-    purpose, and does not.
+    A frame of which more than 10 % and more than 3 degrees are missing counts, because nobody sees
+    less; a `hold` jumps on purpose, and does not.
     """
     timed = [(layer, pair) for layer in move.layers for pair in _ways(layer)]
     if not timed:

@@ -72,6 +72,7 @@ _SORTS: dict[object, st.SearchStrategy[object]] = {
         ),
         max_size=2,
     ),
+    dict[str, str | int]: st.dictionaries(names, st.one_of(texts, times), max_size=2),
     dict[str, m.SignShown]: st.dictionaries(
         names, st.builds(m.SignShown, filter=texts), max_size=2
     ),

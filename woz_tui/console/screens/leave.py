@@ -106,7 +106,10 @@ class LeaveDialog(ChoiceDialog):
         study, found = self.state.study, list[OpenQuestion]()
         if self._lacks_participant():
             who = "No participant was given"
-            found.append(self._open(_WHO, f"{who}: the log has no code", f"{who}: give it first"))
+            # Whatever comes before the first code is nobody's: later it would take all away.
+            without = (f"{who}: reports count the session as one without a code",)
+            first = (f"{who}: the log has no code", f"{who}: give it first")
+            found.append(self._open(_WHO, *(without if self._has_begun() else first)))
         done = False
         if (running := self.state.session.study.trial) is not None:
             number = running.label
@@ -133,16 +136,28 @@ class LeaveDialog(ChoiceDialog):
         is_study = self.state.plan.conditions or settings.design or settings.questionnaires
         return bool(is_study) and not session.study.participant and not session.apart
 
+    def _has_begun(self) -> bool:
+        """Whether anything of the session would be somebody's: a trial, or an action."""
+        study = self.state.session.study
+        trial = study.trial is not None or study.last_started is not None
+        return trial or any(event.run for event in self.state.events)
+
     def _open(self, key: str, *sentences: str) -> OpenQuestion:
-        before = int(self.requests.drafts.get(f"{_DRAFT}{key}", 0))
+        before = int(self.requests.drafts.get(self._draft(key), 0))
         return OpenQuestion(key, sentences, before % len(sentences))
+
+    def _draft(self, key: str) -> str:
+        """Under which name an answer is kept: another participant or trial begins anew."""
+        study = self.state.session.study
+        begin = study.trial.begin if study.trial is not None else 0
+        return f"{_DRAFT}{key} {study.participant} {begin}"
 
     def _question_line(self, question: OpenQuestion) -> Content:
         return plain(f"  {self.glyphs.middle} {question.sentences[question.answer]}")
 
     def _answer(self, question: OpenQuestion) -> None:
         """What is open takes its next answer, with which other things may be open."""
-        self.requests.drafts[f"{_DRAFT}{question.key}"] = str(question.answer + 1)
+        self.requests.drafts[self._draft(question.key)] = str(question.answer + 1)
         self._offers = self.choices()
         for choices in self.query("#choices").results(OptionList):
             here = choices.highlighted
@@ -183,7 +198,7 @@ class LeaveDialog(ChoiceDialog):
     def _kept(self, reply: Reply) -> None:
         """The copy is written, or not: then the session goes on, and says why."""
         if not reply.ok:
-            self.requests.drafts.pop(f"{_DRAFT}{_TYPED}", None)
+            self.requests.drafts.pop(self._draft(_TYPED), None)
             wrong = f"{refusal_text(reply)}. The session goes on; the sentences are in the log"
             self.console_app.news(wrong, "warn")
             return

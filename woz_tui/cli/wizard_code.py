@@ -8,7 +8,7 @@ from collections.abc import Callable
 from woz_tui.log.file_names import check_code
 from woz_tui.system.user_folders import WIZARD, state_folder
 
-_QUESTION = "Your code as the wizard, such as W1 (no name; enter: none): "
+_QUESTION = "Your code as the wizard, for example W1, not your name (press enter for no code): "
 
 
 def wizard_code(given: str, ask: Callable[[str], str] = input) -> str:
@@ -22,12 +22,23 @@ def wizard_code(given: str, ask: Callable[[str], str] = input) -> str:
         except EOFError:  # nobody answers: somebody may the next time
             return ""
     with contextlib.suppress(OSError, RuntimeError, ValueError):  # no reason not to play
-        if known:
-            check_code("wizard", known)
+        if known and not _is_code(known):
+            return known  # as it was given, for this session alone
         file = state_folder() / WIZARD
+        if file.exists() and file.read_text(encoding="utf-8").strip() == known:
+            return known
+        from woz_tui.system.files import replacing  # noqa: PLC0415 - few starts write it
+
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(f"{known}\n", encoding="utf-8")
+        with replacing(file, f"{known}\n"):
+            pass
     return known
+
+
+def _is_code(typed: str) -> bool:
+    """Whether it can be a code and is hardly a name: it has a digit. Raises `ValueError`."""
+    check_code("wizard", typed)
+    return any(letter.isdigit() for letter in typed)
 
 
 def remembered_wizard() -> str | None:
@@ -42,12 +53,12 @@ def _ask(ask: Callable[[str], str]) -> str:
     """A code with a digit, or none: what has no digit is probably a name."""
     while typed := ask(_QUESTION).strip():
         try:
-            check_code("wizard", typed)
+            code = _is_code(typed)
         except ValueError as error:
             print(f"  {error}")
             continue
-        if any(letter.isdigit() for letter in typed):
+        if code:
             print("  Remembered on this computer; another wizard gives theirs with --wizard.")
             return typed
-        print(f"  {typed}1, perhaps? A code has a digit; a name does not belong in a log.")
+        print("  A code has a digit, such as W1; a name does not belong in a log.")
     return ""

@@ -30,7 +30,7 @@ class PeekDialog(LiveReportDialog):
     """
 
     heading = "What a key would do"
-    hint = "press the key of an action to see it · any other key closes"
+    hint = "key of an action: see it · any other key closes this and acts"
     size_class = "wide"
     indent = 2
     plays = True

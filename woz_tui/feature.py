@@ -182,7 +182,7 @@ def _registry() -> dict[str, Feature]:
             if feature.name in registry:
                 raise ValueError(f"{place}: there is a feature {feature.name!r} already")
         except Exception as error:  # noqa: BLE001 - of others: the rest has to go on
-            _leave_out(place, error)
+            leave_out(place, error)
         else:
             registry[feature.name] = feature
     return registry
@@ -206,7 +206,8 @@ def _of_others() -> list[str]:
 _LEFT_OUT: dict[str, str] = {}
 
 
-def _leave_out(name: str, error: Exception) -> None:
+def leave_out(name: str, error: Exception) -> None:
+    """Name a feature that failed, once; whoever uses its pieces goes on without it."""
     log.exception("the feature %s is left out", name)
     _LEFT_OUT[name] = f"{type(error).__name__}: {error}"
 
@@ -225,7 +226,7 @@ def pieces(what: str, kind: type[T]) -> dict[str, T]:
         try:
             piece = feature.piece(what, kind)
         except Exception as error:  # noqa: BLE001 - of others: the rest has to go on
-            _leave_out(name, error)
+            leave_out(name, error)
         else:
             if piece is not None:
                 there[name] = piece
@@ -241,5 +242,5 @@ def answer_of(name: str, otherwise: T, call: Callable[..., T], *args: Any) -> T:
     try:
         return call(*args)
     except Exception as error:  # noqa: BLE001 - of others: the rest has to go on
-        _leave_out(name, error)
+        leave_out(name, error)
         return otherwise

@@ -62,6 +62,29 @@ class Absent(Feature):
 
 class NoFeature:
     pass
+
+
+class Note(Message, frozen=True, kw_only=True, tag="note"):
+    text: str = ""
+
+
+class Twice(Feature):
+    name = "twice"
+    kinds = "__init__:NOTES"
+
+
+class NeverUsed(SessionFeature):
+    def __init__(self, session):
+        raise AssertionError("nothing of it would be forbidden")
+
+
+class Ungated(Feature):
+    name = "ungated"
+    gate = "nowhere:GATE"
+    session = "__init__:NeverUsed"
+
+
+NOTES = FeatureKinds(messages=(Note,))
 """
 SESSION = """
 import asyncio, sys
@@ -98,12 +121,13 @@ def environment(tmp_path: Path) -> dict[str, str]:
     info = site / "strangers-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: strangers\nVersion: 1.0\n")
+    more = ("twice = strangers:Twice", "ungated = strangers:Ungated")
     points = (
         "failing = strangers:Failing",
         "absent = strangers:Absent",
         "no = strangers:NoFeature",
     )
-    (info / "entry_points.txt").write_text("\n".join(("[woz_tui.features]", *points)) + "\n")
+    (info / "entry_points.txt").write_text("\n".join(("[woz_tui.features]", *points, *more)) + "\n")
     return os.environ | {"PYTHONPATH": str(site)}
 
 
@@ -121,13 +145,16 @@ def test_a_feature_that_fails_is_named_and_the_session_goes_on(
     )
     assert done.returncode == 0, done.stderr
     told = done.stdout.splitlines()
-    # Its row forbids while it fails; then the feature itself fails, and nobody asks its row again.
+    # Its row forbids while it fails; then the feature itself fails, and its row forbids no more.
     assert told[0].startswith("refused Hello the check of 'moon' failed")
     assert told[1] == "played Map"
-    assert "failing failed and is not used any more: ZeroDivisionError" in told[2]
+    assert "failing failed and is not used any more (ZeroDivisionError)" in told[2]
     assert told[3].startswith("ended")
     assert "absent" in told[4]
     assert "strangers:NoFeature" in told[4]
+    assert "twice" in told[4], "its kind of message means something else already"
+    assert "ungated" in told[4]
+    assert "AssertionError" not in told[2]
 
 
 def test_a_row_of_which_no_moment_is_known_is_one_that_only_a_session_knows(

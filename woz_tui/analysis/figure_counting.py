@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from woz_tui.analysis import event_rows
 from woz_tui.analysis.cue_responses import WAITING, WINDOW_US, cues_of
@@ -71,7 +71,8 @@ def figures_of(
     acts = acts_of(timeline)
     kinds = pieces("figures", FeatureFigures)
     cues = cues_of(timeline, acts, options.window_us, options.waiting)
-    cues += [placed for each in kinds.values() for placed in each.cues(timeline)]
+    for name, each in kinds.items():
+        cues += answer_of(name, [], _found_by, each.cues, timeline)
     counting = _Counting(timeline)
     counting.count(acts)
     for context, cue in cues:
@@ -154,6 +155,10 @@ def _software(told: Mapping[str, str]) -> str:
     return " ".join(filter(None, words))
 
 
+def _found_by(find: Callable[[Timeline], Iterable[Any]], timeline: Timeline) -> list[Any]:
+    return [*find(timeline)]
+
+
 def _started(start: m.SessionStart) -> str:
     """The wall clock at 0; empty if the log does not say or dates were taken out."""
     wall = str(start.clock.get("wall_at_t0", "")) or start.ts
@@ -210,8 +215,10 @@ class _Counting:
         for stop in self._timeline.of(e.StopEpisode):
             # A lost console stops the drive: nobody pressed that.
             self.at(stop.context).stops += stop.label == "all"
-        for feature in pieces("figures", FeatureFigures).values():
-            for context, name, us in feature.times(self._timeline):
+        for feature, figures in pieces("figures", FeatureFigures).items():
+            nothing: list[Any] = []
+            times = answer_of(feature, nothing, _found_by, figures.times, self._timeline)
+            for context, name, us in times:
                 self.at(context).times[name].add(us)
 
     def _acts(self, acts: Sequence[WizardAct]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from woz_tui.config.experiment import (
     Action,
@@ -18,7 +19,7 @@ from woz_tui.config.experiment import (
 )
 from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.study import Study
-from woz_tui.feature import pieces
+from woz_tui.feature import answer_of, pieces
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,8 +91,9 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
         yield f"engagement is {'new' if old.engagement is None else 'removed'}"
     for what, named in _COLLECTIONS.items():
         yield from changed_entries(what, named(old), named(new))
-    for section in pieces("section", FeatureSection).values():
-        yield from section.changes(section.of(old), section.of(new))
+    for name, section in pieces("section", FeatureSection).items():
+        nothing: list[str] = []
+        yield from answer_of(name, nothing, _changes_of, section, old, new)
     yield from _study(old.study, new.study)
     yield from _panels(old, new)
     yield from _actions(old, new)
@@ -101,6 +103,10 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
             if len(new.script) != len(old.script)
             else "script changed"
         )
+
+
+def _changes_of(section: FeatureSection[Any], old: Experiment, new: Experiment) -> list[str]:
+    return [*section.changes(section.of(old), section.of(new))]
 
 
 def _conditions(old: Experiment, new: Experiment) -> Iterable[str]:

@@ -421,9 +421,9 @@ class Console(ScreenApp):
     def _following(self) -> NextStep | None:
         """What a feature's key goes on to."""
         step: NextStep | None = None
-        for each in pieces("console", FeatureConsole).values():
+        for name, each in pieces("console", FeatureConsole).items():
             if step is None and each.following is not None:
-                step = each.following(self.state)
+                step = answer_of(name, None, each.following, self.state)
         return step
 
     def _hints(self) -> tuple[tuple[str, str], ...]:

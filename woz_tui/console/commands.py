@@ -28,7 +28,7 @@ from woz_tui.console.screens.dialog import (
 )
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.widgets.feature_console import FeatureCommand, FeatureConsole, KeyHint
-from woz_tui.feature import pieces
+from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol.requests import (
     AskAction,
     AskCancel,
@@ -326,19 +326,21 @@ def _of_feature(command: FeatureCommand) -> ConsoleCommand:
 
 def _with_features() -> Iterator[ConsoleCommand]:
     """Ours, of which features may carry out something else at times, then theirs."""
-    consoles = pieces("console", FeatureConsole).values()
+    consoles = pieces("console", FeatureConsole)
     for command in _COMMANDS:
-        for console in consoles:
+        for name, console in consoles.items():
             if command.run is not None and command.name in console.instead:
-                run = partial(_run_either, command.run, console.instead[command.name])
+                run = partial(_run_either, name, command.run, console.instead[command.name])
                 command = replace(command, run=run)  # noqa: PLW2901 - several may take it
         yield command
-    for console in consoles:
+    for console in consoles.values():
         yield from map(_of_feature, console.commands)
 
 
-def _run_either(run: Run, instead: Callable[[ConsoleState], str | None], app: ConsoleApp) -> None:
-    dialog = instead(app.state)
+def _run_either(
+    feature: str, run: Run, instead: Callable[[ConsoleState], str | None], app: ConsoleApp
+) -> None:
+    dialog = answer_of(feature, None, instead, app.state)
     if dialog is None:
         run(app)
     elif dialog:

@@ -61,6 +61,7 @@ class Facts:
         scheduled: How many requests wait for their moment.
         driving: Who watches over the command that is asked about; None: it does not drive.
         features: What features have to say of the moment, by name.
+        failed: Those of them that have failed, and said this before.
         consents: Who has consented to having their face learnt, and by which driver.
     """
 
@@ -76,6 +77,7 @@ class Facts:
     scheduled: int = 0
     driving: Driving | None = None
     features: Mapping[str, object] = field(default_factory=dict)
+    failed: Collection[str] = ()
     consents: Collection[tuple[str, str]] = ()
 
 

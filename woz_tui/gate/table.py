@@ -587,11 +587,14 @@ def first_refusal(rows: Iterable[Row], facts: Facts, question: Question) -> Refu
         try:
             refusal = row.why_not(facts, question)
         except Exception as error:
+            if row.feature in facts.failed:
+                continue  # named already, and the session has to go on
             log.exception("the row %r of the gate failed", row.name)
+            whose = f"the feature {row.feature}" if row.feature else "the program"
             return Refusal(
                 "unchecked",
                 f"the check of {row.name!r} failed: {type(error).__name__}: {error}",
-                "this is an error in the program; the traceback is in the *.host.log",
+                f"this is an error in {whose}; the traceback is in the *.host.log",
             )
         if refusal is not None:
             return refusal

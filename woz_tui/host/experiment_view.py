@@ -11,7 +11,7 @@ import msgspec
 
 from woz_tui.config.experiment import Action, Experiment
 from woz_tui.config.sensor_names import published_names
-from woz_tui.feature import pieces
+from woz_tui.feature import answer_of, pieces
 from woz_tui.host.feature_view import FeatureView
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -40,7 +40,9 @@ def panel_views(
             parts=list(panel.parts),
         )
         for name, feature in features.items():
-            view = view and feature.panel(panel, view, (facts or {}).get(name))
+            if view is not None:
+                fact = (facts or {}).get(name)
+                view = answer_of(name, view, feature.panel, panel, view, fact)
         if view is not None:
             views.append(view)
     return views
@@ -159,7 +161,9 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
 def _of_features(shown: ExperimentView) -> dict[str, Any]:
     settings: dict[str, Any] = {}
     for name, view in pieces("view", FeatureView).items():
-        settings |= view.settings(shown.experiment, shown.facts.get(name))
+        nothing: Mapping[str, Any] = {}
+        fact = shown.facts.get(name)
+        settings |= answer_of(name, nothing, view.settings, shown.experiment, fact)
     return settings
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
-from woz_tui.feature import pieces
+from woz_tui.feature import leave_out, pieces
 from woz_tui.protocol.envelope import Answer, Message, RestrictedMessage
 from woz_tui.protocol.messages import MESSAGES
 from woz_tui.protocol.requests import ANSWERS, REQUESTS, Request
@@ -33,23 +33,46 @@ class FeatureKinds:
 
 
 @cache
+def _of_features() -> tuple[FeatureKinds, ...]:
+    """Those of all features; one whose words mean something else already is left out."""
+    known = {
+        sort: {str(kind.__struct_config__.tag) for kind in core}
+        for sort, core in (("messages", MESSAGES), ("requests", REQUESTS), ("answers", ANSWERS))
+    }
+    fitting = []
+    for name, each in pieces("kinds", FeatureKinds).items():
+        own = {
+            sort: [str(kind.__struct_config__.tag) for kind in getattr(each, sort)]
+            for sort in known
+        }
+        twice = [tag for sort, tags in own.items() for tag in tags if tag in known[sort]]
+        if twice:
+            leave_out(name, ValueError(f"there is a kind {twice[0]!r} already"))
+            continue
+        for sort, tags in own.items():
+            known[sort] |= {*tags}
+        fitting.append(each)
+    return tuple(fitting)
+
+
+@cache
 def message_kinds() -> tuple[type[Message], ...]:
     """Every message that may stand in a log or on the stream."""
-    of_features = pieces("kinds", FeatureKinds).values()
+    of_features = _of_features()
     return (*MESSAGES, *(kind for each in of_features for kind in each.messages))
 
 
 @cache
 def request_kinds() -> tuple[type[Request], ...]:
     """Everything that a client may ask for."""
-    of_features = pieces("kinds", FeatureKinds).values()
+    of_features = _of_features()
     return (*REQUESTS, *(kind for each in of_features for kind in each.requests))
 
 
 @cache
 def answer_kinds() -> tuple[type[Answer], ...]:
     """Lines from the host that are no messages of the session."""
-    of_features = pieces("kinds", FeatureKinds).values()
+    of_features = _of_features()
     return (*ANSWERS, *(kind for each in of_features for kind in each.answers))
 
 
@@ -58,7 +81,7 @@ def closed_kinds() -> frozenset[type[Message]]:
     """Messages of features that do not say what they tell."""
     return frozenset(
         kind
-        for each in pieces("kinds", FeatureKinds).values()
+        for each in _of_features()
         for kind in each.messages
         if kind not in each.open and not issubclass(kind, RestrictedMessage)
     )
@@ -67,7 +90,7 @@ def closed_kinds() -> frozenset[type[Message]]:
 @cache
 def unlisted_kinds() -> tuple[type[Message], ...]:
     """Messages of features of which no list of events has a line."""
-    of_features = pieces("kinds", FeatureKinds).values()
+    of_features = _of_features()
     return tuple(kind for each in of_features for kind in each.unlisted)
 
 

@@ -21,11 +21,11 @@ from msgspec.structs import fields, replace
 from woz_tui.config.engagement_words import STATES
 from woz_tui.config.study_words import BLURRED, PERCEIVED
 from woz_tui.config.utterance_template import VISITOR
-from woz_tui.feature import pieces
+from woz_tui.feature import features, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol import welcome as s
-from woz_tui.protocol.kinds import closed_kinds
+from woz_tui.protocol.kinds import FeatureKinds, closed_kinds
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.proxemics import ZONES
 
@@ -123,7 +123,17 @@ def _redactions() -> dict[type[m.Message], Callable[[Any, PerceptionFilter], m.M
     return {kind: hide for each in of_features for kind, hide in each.perceived.items()}
 
 
+@cache
+def _unredacted() -> frozenset[type[m.Message]]:
+    """Kinds of features whose redaction cannot be loaded: nobody knows what they tell."""
+    there, kinds = pieces("redaction", FeatureRedaction), pieces("kinds", FeatureKinds)
+    lacking = [name for name, each in features().items() if each.redaction and name not in there]
+    return frozenset(kind for name in lacking if name in kinds for kind in kinds[name].messages)
+
+
 def _feature_redaction(message: m.Message, perception: PerceptionFilter) -> m.Message | None:
+    if type(message) in _unredacted():
+        return None
     hide = _redactions().get(type(message))
     return message if hide is None else hide(message, perception)
 

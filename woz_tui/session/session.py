@@ -335,6 +335,7 @@ class Session:
             helpers=self._helpers(),
             scheduled=len(self.runner.scheduled),
             features=self.features.facts(),
+            failed=self.features.failed,
         )
 
     def send(

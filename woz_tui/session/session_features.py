@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,8 +15,9 @@ from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.experiment import Action, Call, Experiment
 from woz_tui.config.performers import performers_of_features
 from woz_tui.drivers.contract import Driver, Forecast, Performer, Verb
-from woz_tui.feature import left_out, pieces
+from woz_tui.feature import features, left_out, pieces
 from woz_tui.gate.questions import RequestOrigin
+from woz_tui.gate.table import FeatureGate
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.refusal import Refusal, RequestError
@@ -175,6 +177,8 @@ class PerformingFeature(SessionFeature, Performer):
 
 F = TypeVar("F", bound=SessionFeature)
 
+#: The answer of a feature that has failed.
+_FAILED = "\0"
 #: Where features are asked or told something; those that have nothing to do there are passed by.
 _HOOKS = ("begin", "close", "play", "adopt", "hold", "drop", "begin_anew", "front", "fact")
 
@@ -189,8 +193,13 @@ class SessionFeatures:
         self._answering: dict[type[Request], str] = {}
         #: Those that have something to do at each of the hooks, in their order.
         self._with: dict[str, dict[str, SessionFeature]] = {hook: {} for hook in _HOOKS}
+        #: What features that have failed said last of the moment: they go on forbidding it.
+        self.failed: dict[str, object] = {}
+        gates = pieces("gate", FeatureGate)
         for name, kind in pieces("session", type).items():
             self._names[kind] = name
+            if features()[name].gate and name not in gates:
+                continue  # nothing of it would be forbidden
             self._safely(name, self._add, None, name, kind)
 
     def _add(self, name: str, kind: type[SessionFeature]) -> None:
@@ -240,6 +249,8 @@ class SessionFeatures:
 
     def start(self, name: str, value: object) -> None:
         """The session begins with this value for the feature `name`."""
+        if name not in self._all:
+            raise RequestError(f"{name} failed and cannot begin", IN_HOST_LOG)
         self._all[name].start(value)
 
     def begin(self) -> None:
@@ -266,17 +277,17 @@ class SessionFeatures:
         feature = self._all.get(name or "")
         if name is None or feature is None:
             raise RequestError(f"{type(request).__name__} cannot be used here")
-        run = self._safely(name, feature.carry_out, None, request, client)
-        if run is None:
+        run = self._answer(name, feature.carry_out, _FAILED, request, client)
+        if run is _FAILED:
             raise RequestError(f"{name} failed and is not used any more", IN_HOST_LOG)
-        return run
+        return run or ""
 
     def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str:
         """Have a feature play an action of its own that has no steps; the run's id. Raises
         `RequestError`.
         """
         for name, feature in [*self._with["play"].items()]:
-            run = self._safely(name, feature.play, None, action, origin, when_busy, at)
+            run = self._answer(name, feature.play, None, action, origin, when_busy, at)
             if run is not None:
                 return run
         raise RequestError(f"{action.name!r} is played by a feature that failed", IN_HOST_LOG)
@@ -316,7 +327,7 @@ class SessionFeatures:
 
     def facts(self) -> dict[str, object]:
         """What their rows of the gate look at, by name."""
-        facts = {}
+        facts = dict(self.failed)
         for name, feature in [*self._with["fact"].items()]:
             fact = self._safely(name, feature.fact, None)
             if fact is not None:
@@ -324,15 +335,34 @@ class SessionFeatures:
         return facts
 
     def _safely(self, name: str, call: Callable[..., T], otherwise: T, *args: Any) -> T:
+        """What a feature answers, where nobody waits for a refusal."""
+        try:
+            return self._answer(name, call, otherwise, *args)
+        except RequestError as error:
+            log.warning("the feature %s: %s", name, error)
+            return otherwise
+
+    def _answer(self, name: str, call: Callable[..., T], otherwise: T, *args: Any) -> T:
+        """As `_safely`; raises `RequestError`."""
         try:
             return call(*args)
         except RequestError:
             raise
         except Exception as error:
             log.exception("the feature %s failed", name)
-            self._all.pop(name, None)
-            for having in self._with.values():
-                having.pop(name, None)
-            text = f"{name} failed and is not used any more: {type(error).__name__}: {error}"
+            self._give_up(name)
+            # Without the error's words: they may tell what is kept from some.
+            text = f"{name} failed and is not used any more ({type(error).__name__})"
             self._session.hub.publish(m.Notice(level="error", text=text, remedy=IN_HOST_LOG))
             return otherwise
+
+    def _give_up(self, name: str) -> None:
+        """Ask it no more; what its rows of the gate forbid now stays forbidden."""
+        feature = self._all.pop(name, None)
+        for having in self._with.values():
+            having.pop(name, None)
+        if feature is not None:
+            with contextlib.suppress(Exception):
+                fact = feature.fact()
+                if fact is not None:
+                    self.failed[name] = fact

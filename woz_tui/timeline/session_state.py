@@ -766,8 +766,12 @@ class _FeatureCase:
 
     def __call__(self, state: SessionState, message: m.Message) -> Iterable[Episode]:
         changes = [] if self.first is None else [*(self.first(state, message) or ())]
+        history = state.histories.get(self.history)
+        if history is None:  # it has failed
+            return changes if self.first is not None else moment(message, state.t)
         try:
-            return [*changes, *(self.case(state.histories[self.history], message, state) or ())]
+            return [*changes, *(self.case(history, message, state) or ())]
         except Exception:
             log.exception("%s failed at %s", self.history.__name__, type(message).__name__)
-            return changes or moment(message, state.t)
+            del state.histories[self.history]
+            return changes if self.first is not None else moment(message, state.t)

@@ -20,8 +20,8 @@ from woz_tui.console.screens.engagement_questions import steer
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.wizard_overrides import OVERRIDES, is_offered
 from woz_tui.console.widgets.bottom_rows import quoted
-from woz_tui.console.widgets.feature_console import FeatureConsole
-from woz_tui.feature import pieces
+from woz_tui.console.widgets.feature_console import FeatureConsole, FoundRequest
+from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requests import AskAction, AskLock, AskVerb
 
@@ -158,8 +158,10 @@ class FindDialog(SearchDialog[SearchItem]):
             )
 
     def _of_features(self) -> Iterable[SearchItem]:
-        for each in pieces("console", FeatureConsole).values():
-            for found in each.finds(self.state) if each.finds is not None else ():
+        for feature, each in pieces("console", FeatureConsole).items():
+            nothing: Iterable[FoundRequest] = ()
+            finds = each.finds
+            for found in answer_of(feature, nothing, finds, self.state) if finds else nothing:
                 do = functools.partial(self.requests.ask, found.request)
                 yield SearchItem(found.name, "", found.what, do, found.name)
 

@@ -117,7 +117,8 @@ def read_session(source: LogSource, *, redact: bool = False) -> ExportSession:
         session.damage.append("the first line is missing: all codes are unknown")
     session.name = _name(session)
     integrity = LogIntegrity(sentences=tuple(session.damage), ended=bool(session.end_reason))
-    session.figures = replace(session.figures, wholeness=integrity)
+    figures = replace(session.figures, wholeness=integrity)
+    session.figures = replace(figures, monotonic_us=None) if redact else figures
     return session
 
 

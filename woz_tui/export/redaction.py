@@ -92,7 +92,9 @@ _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}", re.ASCII)
 
 def redacted(fields: Mapping[str, Any]) -> dict[str, Any]:
     """A line's fields without anybody's words, in the same JSON types, and without `ts`."""
-    kind = fields.get("kind")
+    kind, clock = fields.get("kind"), fields.get("clock")
+    if isinstance(clock, Mapping):  # like a sum of the log, it would tell which one that is
+        fields = {**fields, "clock": {n: v for n, v in clock.items() if n != "monotonic_us"}}
     kind_name = kind if isinstance(kind, str) else ""
     kept = KEPT | KEPT_IN.get(kind_name, frozenset()) | kept_fields().get(kind_name, frozenset())
     places = KEPT_AT.get(kind_name, {})

@@ -95,8 +95,11 @@ def test_what_happened_is_a_log_in_words_and_joints_are_in_radians(tmp_path: Pat
     assert any(level == 3 and "refused" in words for level, words in told)
     assert made.schemas["/log"][0] == "foxglove.Log"
     (_, pan), (_, tilt) = *made.messages["/left/joints"], *made.messages["/joints"]
-    assert pan["joints"] == [{"name": "pan", "position": math.pi / 2}]
-    assert tilt["joints"] == [{"name": "tilt", "position": -math.pi / 4}]
+    assert pan["joints"] == [{"name": "pan", "position": pytest.approx(math.pi / 2)}]
+    assert tilt["joints"] == [{"name": "tilt", "position": pytest.approx(-math.pi / 4)}]
+    sliding: list[Timed] = [(0, start()), (1, m.reading("joint.lift", -40.0, unit="mm"))]
+    (_, lift), *_ = recording(tmp_path / "mm", sliding, samples=True).messages["/joints"]
+    assert lift["joints"] == [{"name": "lift", "position": pytest.approx(-0.04)}]
     assert pan["timestamp"] == {"sec": round(BEGIN.timestamp()) + 1, "nsec": 0}
 
 

@@ -37,7 +37,7 @@ For each session one file, `.mcap` (https://mcap.dev), whose messages are JSON:
 
 - `/woz/KIND`: each line of the log, on a channel for its kind (docs/reference/session-log.md);
 - `/woz/sensor/NAME`: with `--samples` the values of each sensor, and `/joints` the body's joints
-  as `foxglove.JointStates`, in radians;
+  as `foxglove.JointStates`, in radians, or in metres where they slide;
 - `/log`: what happened in words, as `foxglove.Log`;
 - `/visitor/sound`: what was recorded of the visitor, as `foxglove.RawAudio`, where it is 16 bit.
 
@@ -47,6 +47,11 @@ the metadata, except for redacted sessions. Lichtblick and Foxglove show such fi
 does not, because the messages are none of ROS."""
 #: Bytes of messages that are compressed together, and frames of sound in a message.
 _CHUNK, _BLOCK = 1 << 20, 1 << 14
+#: From the unit of a joint to radians or metres, as `foxglove.JointStates` has them.
+_SCALES = {
+    **dict.fromkeys(("", "°", "deg", "degrees"), math.radians(1.0)),
+    **{"rad": 1.0, "m": 1.0, "mm": 0.001},
+}
 #: Levels of `foxglove.Log`.
 _INFO, _WARNING, _ERROR = 2, 3, 4
 
@@ -117,7 +122,7 @@ class McapExporter(Exporter):
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """Write one session. The log is read again: lines that are no events are written too."""
         redact, paths = self._options.redact, source.files.actions
-        sums = [] if redact else [hashlib.sha256(path.read_bytes()).hexdigest() for path in paths]
+        sums = [] if redact else [*map(_sha256, paths)]
         with (
             self._folder.binary(f"{session.name}.mcap") as file,
             closing(_Channels(file, session, " ".join(sums))) as channels,
@@ -158,7 +163,8 @@ class _Channels:
             "experiment_sha256": start.experiment_sha256 if start else "",
             "redacted": str(session.redacted).lower(),
             "sha256": sha256,
-            "monotonic_us": "" if zero is None else str(zero),
+            # Like a sum of the log, it would tell which one that is.
+            "monotonic_us": "" if zero is None or session.redacted else str(zero),
             "software": " ".join(start.software.values()) if start else "",
         }
         self._writer.add_metadata("woz", {name: str(value) for name, value in about.items()})
@@ -177,8 +183,9 @@ class _Channels:
             return
         self._add_line(f"/woz/sensor/{message.sensor.replace('.', '/')}", line)
         robot, joint, name = message.sensor.rpartition("joint.")
-        if joint and message.value is not None:
-            state = {"name": name, "position": math.radians(message.value)}
+        scale = _SCALES.get(message.unit)
+        if joint and message.value is not None and scale is not None:
+            state = {"name": name, "position": message.value * scale}
             of = f"/{robot.rstrip('.').replace('.', '/')}" if robot else ""
             self._add(f"{of}/joints", line.t, _JOINTS, {"joints": [state]}, line.seq)
 
@@ -256,6 +263,11 @@ class _Channels:
     def _time(self, t: int) -> dict[str, int]:
         seconds, nanoseconds = divmod(self._zero_ns + max(0, t) * 1000, 1_000_000_000)
         return {"sec": seconds, "nsec": nanoseconds}
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _blocks(path: Path, rate: int) -> Iterator[tuple[int, bytes]]:

@@ -22,6 +22,8 @@ phases:
 profiles:
   child: {{panels: [P]}}
 """
+#: The file itself locks what the phase would lock, too.
+BOTH = PHASES.replace(f"Movement, {POSE}", f"Movement, locked: true, {POSE}")
 PARTS = f"{SPEECH}    for: voice\n  - {{title: Movement, for: body, {POSE}}}\n"
 
 
@@ -52,6 +54,19 @@ def _a_wide_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
                 "at the beginning: no: the panel 'Movement' is locked, and with it 'pose';"
                 " find 'Unlock Movement'"
             ],
+        ),
+        (
+            BOTH,
+            "p",
+            [
+                f"{when}: no: the panel 'Movement' is locked; find 'Unlock Movement'"
+                for when in ("at the beginning", "in the phase moving", "with the profile child")
+            ],
+        ),
+        (
+            PHASES,
+            "ctrl+n",
+            ["at the beginning: yes", "in the phase moving: yes", "with the profile child: yes"],
         ),
         (
             PHASES,

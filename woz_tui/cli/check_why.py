@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 from rich.text import Text
 
-from woz_tui.config.experiment import Experiment
+from woz_tui.config.experiment import Action, Experiment
 from woz_tui.config.feature_section import FeatureSection
+from woz_tui.config.keys.console_keys import BUILTIN_KEYS
 from woz_tui.config.keys.keymap import actions_on
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.feature import pieces
@@ -72,11 +73,12 @@ def _questions(
     """Headings, and what is asked of the gate at which moment."""
     moments = list(_moments(experiment))
     actions = actions_on(key, experiment.actions, experiment.keyboard)
-    named = experiment.action(key)
-    for action in [*actions, *([named] if named is not None and named not in actions else [])]:
+    names = [key, *(item.action for item in BUILTIN_KEYS if item.chord == key)]
+    named = [experiment.action(name) for name in names if name]
+    for action in [*actions, *(each for each in named if each is not None and each not in actions)]:
         beside = action in experiment.beside_panels
         yield (
-            f"{action.label} ({action.key or 'no key'}, panel {action.panel})",
+            f"{action.label} ({_key_of(action) or 'no key'}, panel {action.panel})",
             [
                 (each, PlayAction(action.name, action, _origin(each), beside_panels=beside))
                 for each in moments
@@ -88,6 +90,12 @@ def _questions(
                 f"{key} by itself, on {spec.name}",
                 [(each, SendVerb(key, {}, spec.name, _origin(each))) for each in moments],
             )
+
+
+def _key_of(action: Action) -> str:
+    """Its own, or that of the console that plays it."""
+    own = (item.chord for item in BUILTIN_KEYS if item.action == action.name)
+    return action.key or next(own, "")
 
 
 def _origin(moment: Moment) -> RequestOrigin:
@@ -106,7 +114,7 @@ def _moments(experiment: Experiment) -> Iterator[Moment]:
         when = f"{BEGINNING}, as {part}" if part else BEGINNING
         yield Moment(when, _facts(experiment, first, part), part)
     for name, section in sections.items():
-        for when, fact in section.moments(section.of(experiment)):
+        for when, fact in section.moments(experiment):
             if fact != first.get(name):
                 yield Moment(when, _facts(experiment, {**first, name: fact}))
 

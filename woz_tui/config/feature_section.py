@@ -114,7 +114,7 @@ class FeatureSection(Generic[S]):
         if old != new:
             yield "something changed"
 
-    def moments(self, section: S) -> Iterable[tuple[str, object]]:
+    def moments(self, experiment: Experiment) -> Iterable[tuple[str, object]]:
         """What `woz check --why` looks at: moments in words, each with what then holds of the
         feature (`gate.facts.Facts.features`).
         """

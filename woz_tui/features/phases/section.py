@@ -141,10 +141,17 @@ class PhaseSection(FeatureSection[tuple[Phase, ...]]):
 
     def at_first(self, experiment: Experiment) -> PresentPhase | None:
         phases, first = self.of(experiment), self.first(experiment)
-        return _present(first, phases) if first is not None else None
+        if first is None:
+            return None
+        of_file = [panel.title for panel in experiment.panels if panel.locked]
+        return _present(first, phases, of_file)
 
-    def moments(self, section: tuple[Phase, ...]) -> Iterable[tuple[str, PresentPhase]]:
-        return ((f"in the phase {each.heading}", _present(each, section)) for each in section)
+    def moments(self, experiment: Experiment) -> Iterable[tuple[str, PresentPhase]]:
+        phases = self.of(experiment)
+        of_file = [panel.title for panel in experiment.panels if panel.locked]
+        return (
+            (f"in the phase {each.heading}", _present(each, phases, of_file)) for each in phases
+        )
 
     def locks(self, fact: PresentPhase) -> Collection[str]:
         return fact.locked
@@ -169,8 +176,9 @@ def locked_by(phase: Phase | None, phases: Iterable[Phase]) -> frozenset[str]:
     return frozenset(others - {*phase.panels})
 
 
-def _present(phase: Phase, phases: Iterable[Phase]) -> PresentPhase:
-    return PresentPhase(phase.heading, phase.panels, locked_by(phase, phases))
+def _present(phase: Phase, phases: Iterable[Phase], of_file: Collection[str]) -> PresentPhase:
+    """As it holds in a session, where a panel that the file itself locks is not the phase's."""
+    return PresentPhase(phase.heading, phase.panels, locked_by(phase, phases) - {*of_file})
 
 
 def _in_words(phase: Phase, phases: Iterable[Phase]) -> str:

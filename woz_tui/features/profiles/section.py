@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 from woz_tui.config.annotated_decoder import names_of, read_partly
-from woz_tui.config.experiment import Action
+from woz_tui.config.experiment import Action, Experiment
 from woz_tui.config.feature_section import FeatureSection, FileContents
 from woz_tui.config.problems import quoted
 from woz_tui.config.reload_changes import changed_entries
@@ -76,8 +76,10 @@ class ProfileSection(FeatureSection[Mapping[str, Profile]]):
     def changes(self, old: Mapping[str, Profile], new: Mapping[str, Profile]) -> Iterable[str]:
         return changed_entries("profile", old, new)
 
-    def moments(self, section: Mapping[str, Profile]) -> Iterable[tuple[str, Profile]]:
-        return ((f"with the profile {name}", profile) for name, profile in section.items())
+    def moments(self, experiment: Experiment) -> Iterable[tuple[str, Profile]]:
+        return (
+            (f"with the profile {name}", profile) for name, profile in self.of(experiment).items()
+        )
 
 
 def _profile(name: str, cursor: Cursor, contents: FileContents) -> Profile | None:

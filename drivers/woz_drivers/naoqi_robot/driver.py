@@ -220,7 +220,9 @@ class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
     async def _end_own(self) -> None:
         await self._later.close()
         await self._reading.close()
-        self._present = self._lost_unasked = False
+
+    async def _farewell(self) -> None:
+        self._present = self._lost_unasked = False  # not before: a stop must reach it until then
 
     # -- the line --------------------------------------------------------------------------------
 

@@ -119,7 +119,7 @@ class ReachySounds(ReachyPart):
         return Forecast()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        """Pending when it has been heard."""
+        """Ends when it has been heard."""
         if self._talk is not None and job.verb in live_talk.NAMES:
             return await self._talk.perform(job)
         match job.verb:
@@ -235,10 +235,10 @@ class ReachySounds(ReachyPart):
 
     async def close(self) -> None:
         """End the program of the voice, and wait until a sound that was broken off has ended."""
-        await self._synthesis.close()
-        await self._tidying.close()
+        ending = [self._synthesis.close(), self._tidying.close()]
         if self._talk is not None:
-            await self._talk.close()
+            ending.append(self._talk.close())
+        await asyncio.gather(*ending)
 
     async def _play(self, job: Job, wav: Wav) -> dict[str, Json]:
         status = self._link.status

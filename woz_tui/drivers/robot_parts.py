@@ -239,7 +239,7 @@ class RobotOfParts(Driver, Generic[LinkT, S]):
         return await confirmed_within(until - loop.time(), ends) if ends else None
 
     def _taken(self) -> Sequence[asyncio.Future[Any]]:
-        """Pending when the robot has taken what was sent so far, where that is asked for."""
+        """Ends when the robot has taken what was sent so far, where that is asked for."""
         return ()
 
     async def resume(self) -> None:

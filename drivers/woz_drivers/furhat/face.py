@@ -127,7 +127,7 @@ class FurhatFace(FurhatPart):
         return Forecast(positive(args, "seconds", 0.0), ()) if verb == "home" else Forecast()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        """Pending when it is over."""
+        """Ends when it is over."""
         match job.verb:
             case "play":
                 return await self._play(job)
@@ -303,7 +303,7 @@ class FurhatFace(FurhatPart):
     ) -> None:
         """Bring a layer of the face there in so many seconds; `whole`: what is not named goes to 0.
 
-        Pending early at a stop, and the face holds what it has.
+        Ends early at a stop, and the face holds what it has.
         """
         loop = asyncio.get_running_loop()
         names = {*wanted, *(layer if whole else ())}

@@ -131,7 +131,7 @@ class FurhatSpeech(FurhatPart):
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        """Pending when the robot says that it has ended."""
+        """Ends when the robot says that it has ended."""
         if job.verb in ("say", "sound") and self._live is not None:
             raise RejectedError("somebody talks through it live", "`end_talk` first")
         if self._talk is not None and job.verb in live_talk.NAMES:

@@ -75,7 +75,8 @@ _STATES = {
 
 def state_word(name: str, value: float) -> str:
     """What a robot feels, in a word: `pressed` for a bumper's 1; empty: it is no such sensor."""
-    found = (_STATES[part] for part in name.split(".") if part in _STATES)
+    parts = name.split(".")
+    found = (_STATES[part] for part in parts if part in _STATES and parts[-1] not in ("x", "y"))
     states = next(found, None) if value in (0.0, 1.0) else None
     return states[int(value)] if states is not None else ""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from woz_tui.config.annotated_decoder import (
@@ -355,6 +355,12 @@ class RobotReader:
             offered = driver.offer(settings)
             if not isinstance(offered, Offer):
                 raise TypeError(f"offer() gives {offered!r} and no Offer")
+            offered = replace(
+                offered,
+                verbs=tuple(offered.verbs),
+                sensors=tuple(offered.sensors),
+                asks=tuple(offered.asks),
+            )
             spec = DriverSpec(
                 name=name,
                 type=kind,

@@ -84,7 +84,7 @@ class DelayFigures(FeatureFigures):
 
     def times(self, timeline: Timeline) -> Iterator[tuple[Context, str, int]]:
         for context, line in moments(timeline, ActionHeld):
-            yield context, "held", line.until - line.t
+            yield context, "held", max(0, line.until - line.t)
 
     def circumstances(self, figures: tuple[ShapingRow, ...]) -> Iterator[str]:
         for row in figures:

@@ -48,7 +48,7 @@ COMMANDS = {
     "visitors": "named visitors: list, show, add, rename, forget, profile",
     "engagement": "run the engagement model on samples or on a session's log",
     "record-move": "record a layer of a move by puppeteering",
-    "export": "export sessions for other programs: tables, ELAN, BIDS, Praat",
+    "export": "export sessions for other programs: tables, ELAN, BIDS, Praat, MCAP",
     "report": "report the figures of one or more sessions: tables, plots, CSV, web page",
     "participants": "list the codes of a study, find one's files, take a participant out",
     "methods": "write a paragraph for the method section of a paper",

@@ -12,7 +12,8 @@ from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.number_text import age
 from woz_tui.session.redactor import HIDDEN
 
-#: Cells that names at the left, values at the right and the tracks between them have at least.
+#: Cells that names at the left, values at the right and the tracks between them have where there
+#: are 33 or more; in fewer the value is cut.
 NAME, VALUE, TRACK = 11, 17, 5
 #: Cells of a second name beside a track, with the blank behind its own track.
 SECOND = 12

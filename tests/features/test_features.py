@@ -169,6 +169,70 @@ def test_a_row_of_which_no_moment_is_known_is_one_that_only_a_session_knows(
     assert "profile" not in last
 
 
+FILE = """
+import sys
+from pathlib import Path
+from woz_tui.config.file_position import ExperimentError
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+
+try:
+    load(Path(sys.argv[1]), installed())
+except ExperimentError as error:
+    print(*error.problems, sep="\\n")
+"""
+MOONS = """
+from woz_tui.feature import Feature
+
+
+class Moons(Feature):
+    name = "moons"
+    section = "section:SECTION"
+"""
+READER = """
+from dataclasses import dataclass
+from woz_tui.config.feature_section import FeatureSection
+
+
+@dataclass(frozen=True, kw_only=True)
+class Keys:
+    moons: int = 0
+
+
+class Fails(FeatureSection):
+    def read(self, table, file, contents):
+        raise ZeroDivisionError(file.moons)
+
+
+SECTION = Fails(Keys, 0)
+"""
+
+
+def test_a_feature_that_fails_with_a_file_is_told_as_its_mistake(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    (site / "moons-1.0.dist-info").mkdir(parents=True)
+    (site / "moons").mkdir()
+    (site / "moons" / "__init__.py").write_text(MOONS)
+    (site / "moons" / "section.py").write_text(READER)
+    metadata = "Metadata-Version: 2.1\nName: moons\nVersion: 1.0\n"
+    (site / "moons-1.0.dist-info" / "METADATA").write_text(metadata)
+    points = "[woz_tui.features]\nmoons = moons:Moons\n"
+    (site / "moons-1.0.dist-info" / "entry_points.txt").write_text(points)
+    done = subprocess.run(
+        [sys.executable, "-c", FILE, str(ROOT / "experiments" / "guide.yaml")],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        env=os.environ | {"PYTHONPATH": str(site)},
+        cwd=ROOT,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    (problem,) = done.stdout.splitlines()
+    assert "guide.yaml:" in problem
+    assert "the feature 'moons' fails with this file: ZeroDivisionError" in problem
+
+
 def test_none_of_ours_is_left_out_and_each_piece_is_what_its_room_uses() -> None:
     texts = {"keys", "words"}
     rooms = {name for name, value in vars(Feature).items() if value == ""} - texts

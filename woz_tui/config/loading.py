@@ -8,8 +8,10 @@ compares the parts.
 from __future__ import annotations
 
 import hashlib
+import logging
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -44,6 +46,9 @@ from woz_tui.feature import pieces
 
 if TYPE_CHECKING:
     from woz_tui.config.woz4u import TranslatedFile
+
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,10 +162,11 @@ class _ExperimentDecoder:
         panels_cursor = table.get("panels")
         folder = self._path.absolute().parent
         surroundings = FileSurroundings(playing, self._catalogue, folder, self._opened)
-        reading = {
-            name: each.begin(surroundings)
-            for name, each in pieces("section", FeatureSection).items()
-        }
+        features = pieces("section", FeatureSection)
+        reading: dict[str, FeatureSection[Any]] = {}
+        for name, each in features.items():
+            with self._naming(name, root):
+                reading[name] = each.begin(surroundings)
         own = _own(session_verbs(conditions, panel_titles(panels_cursor)), section)
         vocabulary = Vocabulary(
             robots,
@@ -188,10 +194,10 @@ class _ExperimentDecoder:
             steps.together,
             complete=not robots.incomplete,
         )
-        sections = {
-            section: reading[name].read(table, file, contents)
-            for name, section in pieces("section", FeatureSection).items()
-        }
+        sections: dict[Any, Any] = {}  # by section
+        for name, begun in reading.items():
+            with self._naming(name, root):
+                sections[features[name]] = begun.read(table, file, contents)
         verb_names = {verb.name for verb in verbs} if contents.complete else None
         reader = EngagementReader(vocabulary, steps, actions)
         engagement = reader.read(section) if section is not None else None
@@ -233,6 +239,16 @@ class _ExperimentDecoder:
         cross_checks.check_across(experiment, table, panels.drafts, self._report)
         cross_checks.check_covers(experiment, verb_names, self._report)
         return replace(experiment, warnings=tuple(self._report.warnings))
+
+    @contextmanager
+    def _naming(self, feature: str, root: Cursor) -> Iterator[None]:
+        """What a feature raises is a mistake of the feature, which is told with its name."""
+        try:
+            yield
+        except Exception as error:
+            log.exception("the feature %s failed with %s", feature, self._path)
+            told = f"{type(error).__name__}: {error}"
+            root.error(f"the feature {quoted(feature)} fails with this file: {told}")
 
     def _opened(self, source: SourceFile) -> None:
         """A file that belongs to the experiment."""

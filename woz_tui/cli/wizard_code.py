@@ -8,7 +8,7 @@ from collections.abc import Callable
 from woz_tui.log.file_names import check_code
 from woz_tui.system.user_folders import WIZARD, state_folder
 
-_QUESTION = "Your code as the wizard, for example W1, not your name (press enter for no code): "
+_QUESTION = "Your code as the wizard, such as W1, not your name (enter: no code): "
 
 
 def wizard_code(given: str, ask: Callable[[str], str] = input) -> str:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import logging
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -244,3 +244,15 @@ def answer_of(name: str, otherwise: T, call: Callable[..., T], *args: Any) -> T:
     except Exception as error:  # noqa: BLE001 - of others: the rest has to go on
         leave_out(name, error)
         return otherwise
+
+
+def answers_of(name: str, call: Callable[..., Iterable[T]], *args: Any) -> list[T]:
+    """All that a piece of the feature `name` answers, as `answer_of`: what it makes one by one may
+    fail half-way, so all of it is taken here.
+    """
+    nothing: Iterable[T] = ()
+
+    def take_all() -> Iterable[T]:
+        return [*call(*args)]
+
+    return [*answer_of(name, nothing, take_all)]

@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from woz_tui.feature import Feature, answer_of, features, left_out, pieces
+from woz_tui.feature import Feature, answer_of, answers_of, features, left_out, pieces
 from woz_tui.gate.table import TABLE, FeatureGate, all_rows
 from woz_tui.protocol.kinds import FeatureKinds, message_kinds, request_kinds
 
@@ -277,3 +278,15 @@ def test_a_piece_that_raises_is_named_and_asked_no_more(monkeypatch: pytest.Monk
     assert answer_of("moon", "", painted, "well") == "well"
     assert asked == ["well", "broken", "well"]
     assert left_out() == {"sun": "ZeroDivisionError: in a status row"}
+
+
+def test_what_a_piece_makes_one_by_one_may_fail_half_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    def found(last: int) -> Iterator[int]:
+        yield 1
+        yield 10 // last
+
+    monkeypatch.setattr("woz_tui.feature._LEFT_OUT", {})
+    assert answers_of("sun", found, 5) == [1, 2]
+    assert answers_of("sun", found, 0) == []
+    assert answers_of("sun", found, 5) == []
+    assert list(left_out()) == ["sun"]

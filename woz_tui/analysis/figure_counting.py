@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from woz_tui.analysis import event_rows
 from woz_tui.analysis.cue_responses import WAITING, WINDOW_US, cues_of
@@ -27,7 +27,7 @@ from woz_tui.analysis.figures import (
 )
 from woz_tui.analysis.participants import counts_in_means, taking_part
 from woz_tui.analysis.tables import wall_time
-from woz_tui.feature import answer_of, pieces
+from woz_tui.feature import answer_of, answers_of, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.timeline import Timeline
@@ -72,7 +72,7 @@ def figures_of(
     kinds = pieces("figures", FeatureFigures)
     cues = cues_of(timeline, acts, options.window_us, options.waiting)
     for name, each in kinds.items():
-        cues += answer_of(name, [], _found_by, each.cues, timeline)
+        cues += answers_of(name, each.cues, timeline)
     counting = _Counting(timeline)
     counting.count(acts)
     for context, cue in cues:
@@ -155,10 +155,6 @@ def _software(told: Mapping[str, str]) -> str:
     return " ".join(filter(None, words))
 
 
-def _found_by(find: Callable[[Timeline], Iterable[Any]], timeline: Timeline) -> list[Any]:
-    return [*find(timeline)]
-
-
 def _started(start: m.SessionStart) -> str:
     """The wall clock at 0; empty if the log does not say or dates were taken out."""
     wall = str(start.clock.get("wall_at_t0", "")) or start.ts
@@ -216,9 +212,7 @@ class _Counting:
             # A lost console stops the drive: nobody pressed that.
             self.at(stop.context).stops += stop.label == "all"
         for feature, figures in pieces("figures", FeatureFigures).items():
-            nothing: list[Any] = []
-            times = answer_of(feature, nothing, _found_by, figures.times, self._timeline)
-            for context, name, us in times:
+            for context, name, us in answers_of(feature, figures.times, self._timeline):
                 self.at(context).times[name].add(us)
 
     def _acts(self, acts: Sequence[WizardAct]) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from woz_tui.config.experiment import (
     Action,
@@ -19,7 +18,7 @@ from woz_tui.config.experiment import (
 )
 from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.study import Study
-from woz_tui.feature import answer_of, pieces
+from woz_tui.feature import answers_of, pieces
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,8 +91,7 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
     for what, named in _COLLECTIONS.items():
         yield from changed_entries(what, named(old), named(new))
     for name, section in pieces("section", FeatureSection).items():
-        nothing: list[str] = []
-        yield from answer_of(name, nothing, _changes_of, section, old, new)
+        yield from answers_of(name, section.changes, section.of(old), section.of(new))
     yield from _study(old.study, new.study)
     yield from _panels(old, new)
     yield from _actions(old, new)
@@ -103,10 +101,6 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
             if len(new.script) != len(old.script)
             else "script changed"
         )
-
-
-def _changes_of(section: FeatureSection[Any], old: Experiment, new: Experiment) -> list[str]:
-    return [*section.changes(section.of(old), section.of(new))]
 
 
 def _conditions(old: Experiment, new: Experiment) -> Iterable[str]:

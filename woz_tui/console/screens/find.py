@@ -20,8 +20,8 @@ from woz_tui.console.screens.engagement_questions import steer
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.wizard_overrides import OVERRIDES, is_offered
 from woz_tui.console.widgets.bottom_rows import quoted
-from woz_tui.console.widgets.feature_console import FeatureConsole, FoundRequest
-from woz_tui.feature import answer_of, pieces
+from woz_tui.console.widgets.feature_console import FeatureConsole
+from woz_tui.feature import answers_of, pieces
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requests import AskAction, AskLock, AskVerb
 
@@ -159,9 +159,8 @@ class FindDialog(SearchDialog[SearchItem]):
 
     def _of_features(self) -> Iterable[SearchItem]:
         for feature, each in pieces("console", FeatureConsole).items():
-            nothing: Iterable[FoundRequest] = ()
             finds = each.finds
-            for found in answer_of(feature, nothing, finds, self.state) if finds else nothing:
+            for found in answers_of(feature, finds, self.state) if finds is not None else ():
                 do = functools.partial(self.requests.ask, found.request)
                 yield SearchItem(found.name, "", found.what, do, found.name)
 

@@ -557,9 +557,9 @@ def test_without_participant_and_trial_nothing_is_for_the_end() -> None:
     study_view.session.study.settings = study_scene.study_settings(
         study_scene.study_description(questionnaires=last)
     )
-    assert study_view.unasked() == []
+    assert study_view.unanswered() == []
     tell(study_view, m.SessionChanged(participant="P08", t=NOW))
-    assert study_view.unasked() == ["last"]
+    assert study_view.unanswered() == ["last"]
 
 
 @pytest.mark.parametrize(("source", "told"), [("midi", 1), ("gamepad", 1), ("engagement", 0)])
@@ -577,11 +577,11 @@ def test_another_participant_begins_anew() -> None:
         study_scene.questionnaire_ended("quick"),
         study_scene.questionnaire_ended(),
     )
-    assert study_view.unasked() == []
+    assert study_view.unanswered() == []
     tell(study_view, m.SessionChanged(participant="P08", t=NOW))
     state = study_view.session.study
     assert (state.order, state.planned, study_view.due, state.last_ended) == ((), 0, [], None)
-    assert study_view.unasked() == ["robot"]
+    assert study_view.unanswered() == ["robot"]
 
 
 def test_where_a_session_stands_in_words() -> None:

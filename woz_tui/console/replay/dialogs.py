@@ -43,7 +43,7 @@ class GoDialog(SearchDialog[TimelinePlace]):
         if t is not None:
             return [TimelinePlace(t, "time", "this time"), *(p for p in places if p.t >= t)]
         matcher = Matcher(typed)
-        return [p for p in places if not typed or matcher.match(f"{p.sort} {_told(p)}")]
+        return [p for p in places if not typed or matcher.match(f"{p.sort} {_place_text(p)}")]
 
     def first(self, typed: str) -> int:
         """The next one after now, as long as nothing is typed."""
@@ -60,7 +60,7 @@ class GoDialog(SearchDialog[TimelinePlace]):
             (sign, colour),
             "  ",
             (fit(item.sort, SORT, self.glyphs.ellipsis), "$woz-muted"),
-            clean(_told(item)),
+            clean(_place_text(item)),
         )
 
     def chose(self, item: TimelinePlace | None, typed: str) -> None:
@@ -70,7 +70,7 @@ class GoDialog(SearchDialog[TimelinePlace]):
             self.requests.ask(AskReplay(what="go", to=to))
 
 
-def _told(place: TimelinePlace) -> str:
+def _place_text(place: TimelinePlace) -> str:
     """What is there, in the words of the screen."""
     return short_state(place.text) if place.sort == "engagement" else place.text
 

@@ -116,7 +116,7 @@ class LeaveDialog(ChoiceDialog):
             trial = f"Trial {number} is still running; ending the session marks it as"
             found.append(self._open(f"{_TRIAL}{number}", f"{trial} aborted.", f"{trial} done."))
             done = found[-1].answer == _DONE
-        for name in study.unasked(done=done) if study.open_questionnaire is None else ():
+        for name in study.unanswered(done=done) if study.open_questionnaire is None else ():
             title = f"{clean(questionnaire_title(study, name))} has not been answered"
             there = [f"{title}: ask at the participant's terminal"] if study.participants else []
             answers = (f"{title}: ask it first", f"{title}: skip it", *there)
@@ -212,7 +212,7 @@ def cut_off(study: StudyView) -> list[str]:
         found.append(f"{clean(opened.questionnaire.heading)}: {progress(opened)}")
         found += [
             f"{clean(questionnaire_title(study, name))} has not been answered"
-            for name in study.unasked()
+            for name in study.unanswered()
         ]
     state = study.session.study
     if state.trial is None and state.last_ended is not None and (left := state.trials_left):

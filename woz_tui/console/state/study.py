@@ -78,7 +78,7 @@ class StudyView:
         """What nobody has seen to."""
         return [check for check, ticked in self.checks.items() if not ticked]
 
-    def unasked(self, *, done: bool = False) -> list[str]:
+    def unanswered(self, *, done: bool = False) -> list[str]:
         """Questionnaires that are due or for the end of the session, that nobody has answered or
         declined and that are not being asked. `done`: as if the trial under way were done.
         """

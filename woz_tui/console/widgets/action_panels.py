@@ -267,7 +267,7 @@ def panel_rows(
     column_frame = replace(frame, width=arranged.width)
     slots = [slot for slot in arranged.slots if slot.page == page]
     panels = {slot.panel for slot in slots}
-    said = _said(
+    said = _shown_sentences(
         state, [slot for slot in arranged.slots if slot.panel in panels], column_frame, cap
     )
     grid = {
@@ -286,7 +286,7 @@ def panel_rows(
     return rows
 
 
-def _said(
+def _shown_sentences(
     state: ConsoleState, slots: Sequence[Slot], frame: PaintFrame, cap: int
 ) -> dict[str, str]:
     """What actions say, by their names; of a panel in which one has no room for it, of none."""

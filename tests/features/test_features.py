@@ -18,20 +18,29 @@ ROOT = Path(__file__).parents[2]
 
 #: Features of somebody else: one that cannot be imported, and one that fails in a session.
 STRANGERS = """
-from woz_tui.feature import Feature
+from woz_tui.drivers.contract import Verb
+from woz_tui.feature import Feature, PerformerName
 from woz_tui.gate.questions import PlayAction
 from woz_tui.gate.table import FeatureGate, FeatureRow, Row
 from woz_tui.protocol.envelope import Message
 from woz_tui.protocol.kinds import FeatureKinds
 from woz_tui.protocol.messages import ActionRequested
-from woz_tui.session.session_features import SessionFeature
+from woz_tui.session.session_features import PerformingFeature, SessionFeature
 
 
 class Secret(Message, frozen=True, kw_only=True, tag="secret"):
     text: str = ""
 
 
-class FailsInSession(SessionFeature):
+class FailsInSession(PerformingFeature):
+    verbs = (Verb("shine", "Shine."),)
+
+    async def perform(self, job):
+        return {"shone": 1}
+
+    async def stop(self, scope):
+        pass
+
     def hear(self, message):
         raise ZeroDivisionError("the feature's own")
 
@@ -47,6 +56,7 @@ def full_moon(facts, asked):
 
 class Failing(Feature):
     name = "failing"
+    performer = PerformerName("moon", "the moon")
     kinds = "__init__:KINDS"
     session = "__init__:FailsInSession"
     gate = "__init__:GATE"
@@ -98,13 +108,27 @@ from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.redactor import Redactor
 from strangers import Secret
 
+async def shine(rig):
+    number = f"c{len(rig.of(m.Command))}"
+    command = m.Command(
+        command=number, run="", driver="moon", verb="shine", args={}, source="test"
+    )
+    ended = (m.Done, m.Refused)
+    before = len(rig.of(*ended))
+    rig.session.bus.submit(command)
+    await rig.until(lambda: len(rig.of(*ended)) > before)
+    last = rig.of(*ended)[-1]
+    print("shine", last.reason if isinstance(last, m.Refused) else "done")
+
 async def scenario(rig):
+    await shine(rig)
     for name in ("Hello", "Map"):
         try:
             rig.session.play(name, RequestOrigin("key", "h", "con1"))
             print("played", name)
         except RequestError as error:
             print("refused", name, error.reason)
+    await shine(rig)
 
 rig = SessionRig(Path(sys.argv[1])).run(scenario, 3)
 print("notices", [each.text for each in rig.of(m.Notice) if each.level == "error"])
@@ -146,6 +170,8 @@ def test_a_feature_that_fails_is_named_and_the_session_goes_on(
     )
     assert done.returncode == 0, done.stderr
     told = done.stdout.splitlines()
+    assert told.pop(0) == "shine done"
+    assert told.pop(2) == "shine moon does not offer 'shine'"
     # Its row forbids while it fails; then the feature itself fails, and its row forbids no more.
     assert told[0].startswith("refused Hello the check of 'moon' failed")
     assert told[1] == "played Map"

@@ -357,8 +357,12 @@ class SessionFeatures:
             return otherwise
 
     def _give_up(self, name: str) -> None:
-        """Ask it no more; what its rows of the gate forbid now stays forbidden."""
+        """Ask it no more, and offer none of its verbs; what its rows of the gate forbid now stays
+        forbidden.
+        """
         feature = self._all.pop(name, None)
+        if isinstance(feature, PerformingFeature):
+            self._session.bus.offer(performers_of_features()[name].name, ())
         for having in self._with.values():
             having.pop(name, None)
         if feature is not None:

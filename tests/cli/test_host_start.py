@@ -20,6 +20,7 @@ from tests.host.rude_driver import installed
 from woz_tui.cli import main
 from woz_tui.cli.console_start import _restart
 from woz_tui.cli.host_start import Launch, LaunchError, host_arguments
+from woz_tui.log.withdrawals import Withdrawal, add_withdrawal
 from woz_tui.system import session_sockets
 from woz_tui.system.session_sockets import next_session
 
@@ -94,6 +95,14 @@ def test_why_it_did_not_start_is_told_in_its_own_words(
     assert told in str(error.value)
     assert "Traceback" not in str(error.value)
     assert not list((tmp_path / "rec").glob("*.jsonl")) or rudeness
+
+
+def test_no_session_begins_with_the_code_of_somebody_who_withdrew(tmp_path: Path) -> None:
+    (tmp_path / "rec").mkdir()
+    add_withdrawal(tmp_path / "rec", Withdrawal("P07", "2026-03-01", "W1", "0.1.0"))
+    with pytest.raises(LaunchError, match="the participant P07 withdrew"):
+        launch(tmp_path, participant="P07").wait()
+    assert not list((tmp_path / "rec").glob("*.jsonl"))
 
 
 def test_a_robot_process_is_started_again_once_at_a_time_and_why_not_is_told(

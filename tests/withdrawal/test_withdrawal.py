@@ -30,8 +30,11 @@ from woz_tui.log.coding_file import Coding, coding_path, read_codings
 from woz_tui.log.log_reader import messages, read
 from woz_tui.log.recorder import Recorder
 from woz_tui.log.verify import verify
+from woz_tui.log.withdrawals import NAME as RECORD
+from woz_tui.log.withdrawals import withdrawals
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.sensing.visitor_store import VisitorStore
 from woz_tui.session.earlier_sessions import EarlierSessions
 from woz_tui.system.clock import ManualClock
@@ -62,11 +65,11 @@ def taken_out(folder: Path, code: str = "P07") -> int:
 
 
 def everything(folder: Path) -> dict[str, bytes]:
-    """All files below a folder."""
+    """All files below a folder but the records of withdrawals, in which the code stands."""
     return {
         str(path.relative_to(folder)): path.read_bytes()
         for path in sorted(folder.rglob("*"))
-        if path.is_file()
+        if path.is_file() and path.name != RECORD
     }
 
 
@@ -285,7 +288,7 @@ def test_exports_and_reports_with_the_code_go_and_others_work_is_named(
     typed.unlink()
     assert is_free_of(tmp_path / "out", "P07")
     assert is_free_of(folder, "P07")
-    assert [*folder.iterdir()] == [folder / "2026-03-02T10-00-00_P08_S02.jsonl"]
+    assert [*everything(folder)] == ["2026-03-02T10-00-00_P08_S02.jsonl"]
     for form in ("csv", "bids", "eaf", "textgrid", "jsonl"):
         out = str(tmp_path / "out" / form)
         assert main(["export", str(folder), "--to", form, "--out", out, "--force"]) == 0
@@ -420,6 +423,7 @@ def test_codes_are_listed_with_those_that_are_probably_one_persons(
             {"participant": "p07", "sessions": 1, "files": 1},
         ],
         "alike": "Probably one person: P07 and p07",
+        "withdrawn": [],
     }
     assert main(["participants", str(folder)]) == 0
     assert "Probably one person" in capsys.readouterr().out
@@ -603,6 +607,7 @@ def test_a_kill_in_between_leaves_the_old_or_the_new(
         "2026-03-01T10-00-00_S01.samples.jsonl",
     }
     assert verify(folder / "2026-03-01T10-00-00_S01.jsonl").sentences() == []
+    assert [each.code for each in withdrawals(folder)] == ["P07"]
 
 
 def steps(folder: Path, **given: object) -> None:
@@ -844,3 +849,75 @@ def test_the_row_of_conditions_is_free_again(folder: Path) -> None:
     assert taken_out(folder) == 0
     (left,) = EarlierSessions(folder).read("", "experiments/guide.yaml").past
     assert left == past[1]
+
+
+# -- what is remembered, and what is handed over ---------------------------------------------------
+
+
+def test_it_is_recorded_what_was_taken_and_nothing_of_what_it_said(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    two_people(folder)
+    ExampleSession(session="S02").act(1).end(20).written(folder, "2026-03-02T10-00-00_P07_S02")
+    before = everything(folder)
+    words = ["participants", str(folder), "--code", "P07", "--withdraw", "--yes", "--by", "W1"]
+    assert main(words) == 0
+    (record,) = withdrawals(folder)
+    assert (record.code, record.by) == ("P07", "W1")
+    assert record.lines > 10
+    assert [file.name for file in record.deleted] == ["2026-03-02T10-00-00_P07_S02.jsonl"]
+    for file in (*record.deleted, *record.cut):
+        assert file.bytes == len(before[file.name])
+        assert file.sha256 == hashlib.sha256(before[file.name]).hexdigest()
+    assert "shy" not in (folder / RECORD).read_text()
+    capsys.readouterr()
+    assert main(["participants", str(folder)]) == 0
+    told = capsys.readouterr()
+    assert "P07 (" in told.out
+    assert told.err == ""
+    assert main(["report", str(folder)]) == 0, "the record is no log"
+
+
+def test_the_code_is_never_given_again(folder: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.withdrawn = frozenset(["P08"])
+        with pytest.raises(RequestError, match="P08 withdrew"):
+            rig.session.set(participant="P08")
+        rig.session.set(participant="P09")
+
+    rig = SessionRig(folder.parent).run(scenario)
+    assert [each.participant for each in rig.of(m.SessionChanged)] == ["P09"]
+
+
+def test_a_record_that_cannot_be_read_stops_the_next_withdrawal(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    two_people(folder)
+    (folder / RECORD).write_text("{")
+    before = everything(folder)
+    assert taken_out(folder) == 1
+    assert f"{RECORD} cannot be read" in capsys.readouterr().err
+    assert everything(folder) == before
+
+
+def test_a_copy_has_what_is_kept_of_one_and_nothing_of_others(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    two_people(folder)
+    ExampleSession(session="S02").act(1).end(20).written(folder, "2026-03-02T10-00-00_P07_S02")
+    ExampleSession(participant="P08").act(1).end(9).written(folder, "2026-03-03T10-00-00_P08_S03")
+    before = everything(folder)
+    target = tmp_path / "copy"
+    words = ["participants", str(folder), "--code", "P07", "--copy", str(target)]
+    assert main(words) == 0, capsys.readouterr().err
+    assert everything(folder) == before
+    assert is_free_of(target, "P08")
+    logs = sorted(target.glob("*/*_S0?.jsonl"))
+    assert len(logs) == 2
+    assert all(verify(log).sentences() == [] for log in logs)
+    (shared, alone) = logs
+    notes = [line.text for line in messages(shared) if isinstance(line, m.Note)]
+    assert notes == ["P07 was shy"]
+    assert alone.read_bytes() == (folder / alone.name).read_bytes()
+    assert "P07" in (target / "README.txt").read_text()
+    assert main(words) == 1, "nothing is written over"

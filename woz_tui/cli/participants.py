@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import getpass
 import sys
 from argparse import ArgumentParser, Namespace
 from collections import Counter
@@ -36,15 +37,27 @@ def add(parser: ArgumentParser) -> None:
         action="store_true",
         help="with --code: take out all that is kept of this participant; asks first",
     )
+    parser.add_argument(
+        "--copy",
+        type=Path,
+        metavar="NEW_FOLDER",
+        help="with --code: copy what is kept of this participant, without others, to hand it over",
+    )
+    parser.add_argument(
+        "--by", default="", metavar="WHO", help="for the record: who does it (default: this user)"
+    )
     parser.add_argument("--yes", action="store_true", help="do not ask for confirmation")
     parser.add_argument("--json", action="store_true", help="one object, for programs")
 
 
 def run(arguments: Namespace) -> int:
     """List or take out; 1 if something is wrong or left to do by hand."""
+    from woz_tui.log.withdrawals import WithdrawalRecordError  # noqa: PLC0415
     from woz_tui.withdrawal.removal import WithdrawalError  # noqa: PLC0415
 
-    return with_error_sentences(lambda: _run(arguments), WithdrawalError, ValueError, who=_WHO)
+    return with_error_sentences(
+        lambda: _run(arguments), WithdrawalError, WithdrawalRecordError, ValueError, who=_WHO
+    )
 
 
 def _run(arguments: Namespace) -> int:
@@ -57,8 +70,12 @@ def _run(arguments: Namespace) -> int:
         if not folder.is_dir():
             _complain(f"{folder}: there is no such folder")
             return 1
-    if arguments.withdraw and arguments.code is None:
-        _complain("--withdraw needs --code: whom?")
+    for option in ("withdraw", "copy"):
+        if getattr(arguments, option) and arguments.code is None:
+            _complain(f"--{option} needs --code: whom?")
+            return 2
+    if arguments.withdraw and arguments.copy:
+        _complain("copy first, look at the copy, then withdraw")
         return 2
     for folder in arguments.folders:
         if arguments.withdraw:
@@ -70,7 +87,7 @@ def _run(arguments: Namespace) -> int:
         return _list(stored_files(arguments.folders), arguments)
     code = check_code("participant", arguments.code)
     found = stored_files(arguments.folders, [code])
-    do = _withdraw if arguments.withdraw else _show
+    do = _withdraw if arguments.withdraw else _copy if arguments.copy else _show
     status = do(found, code, arguments)
     for problem in found.problems:
         _complain(problem)
@@ -85,7 +102,9 @@ def _list(found: StoredFiles, arguments: Namespace) -> int:
     from woz_tui.cli.report_layout import text_table  # noqa: PLC0415
     from woz_tui.console.drawing.text_console import TextConsole  # noqa: PLC0415
     from woz_tui.log.sessions import sessions_in  # noqa: PLC0415
+    from woz_tui.log.withdrawals import withdrawals  # noqa: PLC0415
 
+    withdrew = [each for folder in arguments.folders for each in withdrawals(folder)]
     counted, _ = sessions_in([str(folder) for folder in arguments.folders])
     sessions = Counter(
         code for each in found.sessions if each.log in counted for code in each.turns
@@ -98,7 +117,9 @@ def _list(found: StoredFiles, arguments: Namespace) -> int:
             {"participant": code, "sessions": sessions[code], "files": stored[code]}
             for code in codes
         ]
-        print(json_text({"participants": rows, "alike": alike}, indent=2))
+        gone: list[Json] = [{"participant": each.code, "day": each.day} for each in withdrew]
+        listed: dict[str, Json] = {"participants": rows, "alike": alike, "withdrawn": gone}
+        print(json_text(listed, indent=2))
     elif codes:
         table = text_table("participant", "sessions", "files")
         for code in codes:
@@ -109,6 +130,9 @@ def _list(found: StoredFiles, arguments: Namespace) -> int:
             console.print(alike, soft_wrap=True)
     else:
         print("no log has the code of a participant")
+    if withdrew and not arguments.json:
+        told = ", ".join(f"{each.code} ({each.day})" for each in withdrew)
+        print(f"Withdrew, and their codes are not given again: {told}")
     for problem in found.problems:
         _complain(problem)
     return 1 if found.problems else 0
@@ -190,6 +214,23 @@ def _fields(plan: Removal) -> dict[str, Json]:
     }
 
 
+def _copy(found: StoredFiles, code: str, arguments: Namespace) -> int:
+    from woz_tui.withdrawal.own_copy import copy_of  # noqa: PLC0415
+
+    day = datetime.now(UTC).date().isoformat()
+    copied = copy_of(found, code, arguments.copy, day)
+    if arguments.json:
+        logs: list[Json] = [str(session.log) for session in copied]
+        print(json_text({"code": code, "copied": logs, "folder": str(arguments.copy)}, indent=2))
+    elif copied:
+        print(f"Copied to {arguments.copy}: {len(copied)} sessions; README.txt says what is what")
+        if found.closed or found.histories:
+            print("Not searched: archives, documents and histories; see --code without --copy")
+    else:
+        print(f"{code} took part in no session that can be searched")
+    return 0
+
+
 # -- taking out -----------------------------------------------------------------------------------
 
 
@@ -206,7 +247,8 @@ def _withdraw(found: StoredFiles, code: str, arguments: Namespace) -> int:
     if not arguments.yes and not _confirmed(code):
         _complain("nothing was changed")
         return 1
-    withdraw(plan, arguments.folders[0], datetime.now(UTC).date().isoformat())
+    by = arguments.by or getpass.getuser()
+    withdraw(plan, arguments.folders[0], datetime.now(UTC).date().isoformat(), by)
     problems = forget(plan)
     _tell(plan, arguments)
     for problem in problems:

@@ -29,10 +29,16 @@ from woz_tui.host.session_kind import SessionKind
 from woz_tui.host.session_server import SessionServer
 from woz_tui.log.file_names import file_stem, name_after
 from woz_tui.log.recorder import Recorder
+from woz_tui.log.withdrawals import WithdrawalRecordError, withdrawn_codes
 from woz_tui.machine.scheduling import ask_for_short_turns
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
-from woz_tui.session.participant_identity import SessionIdentity, check_code, check_participant
+from woz_tui.session.participant_identity import (
+    SessionIdentity,
+    check_code,
+    check_not_withdrawn,
+    check_participant,
+)
 from woz_tui.session.session import Session
 from woz_tui.session.session_features import SessionFeature
 from woz_tui.system.clock import RealClock
@@ -95,9 +101,10 @@ def run(options: HostOptions) -> int:
     _fill_standard_streams()
     catalogue = installed()
     experiment = _read(options, catalogue)
+    withdrawn, _ = _withdrawn(options.recordings)
     if options.restarted:
-        options = _without_refused(options, experiment)
-    _check_identity(options.identity, experiment)
+        options = _without_refused(options, experiment, withdrawn)
+    _check_identity(options.identity, experiment, withdrawn)
     for name, value in options.starts.items():
         _check_start(name, value, experiment)
     plan: RerunPlan | None = None
@@ -135,13 +142,24 @@ def _fill_standard_streams() -> None:
     os.close(number)
 
 
-def _check_identity(identity: SessionIdentity, experiment: Experiment) -> None:
+def _withdrawn(recordings: Path) -> tuple[frozenset[str], str]:
+    """The codes that nobody gets again, and why they are not known if they are not."""
+    try:
+        return withdrawn_codes([recordings]), ""
+    except WithdrawalRecordError as error:
+        return frozenset(), str(error)
+
+
+def _check_identity(
+    identity: SessionIdentity, experiment: Experiment, withdrawn: frozenset[str]
+) -> None:
     if identity.session:
         check_code(identity.session, "session")
     if identity.wizard:
         check_code(identity.wizard, "wizard")
     if identity.participant:
         check_participant(identity.participant, experiment.participant_pattern)
+        check_not_withdrawn(identity.participant, withdrawn)
     identity.changed(experiment, None, identity.condition or None, None)
 
 
@@ -158,14 +176,18 @@ def _is_refused(check: Callable[..., object], *values: object) -> bool:
     return False
 
 
-def _without_refused(options: HostOptions, experiment: Experiment) -> HostOptions:
+def _without_refused(
+    options: HostOptions, experiment: Experiment, withdrawn: frozenset[str]
+) -> HostOptions:
     """`options` without the codes that the file does not allow any more: a crash in the middle of
     a study is no moment for looking up what was renamed.
     """
     who, starts = options.identity, dict(options.starts)
     left_out = []
     pattern = experiment.participant_pattern
-    if who.participant and _is_refused(check_participant, who.participant, pattern):
+    if who.participant and (
+        _is_refused(check_participant, who.participant, pattern) or who.participant in withdrawn
+    ):
         who = replace(who, participant="")
         left_out.append("participant")
     if _is_refused(who.changed, experiment, None, who.condition or None, None):
@@ -211,7 +233,8 @@ async def _serve(
 
     identity, path, listener, recorder = _begin_files(options, clock, recorder_moved)
     drivers = _kind(options).drivers(catalogue)
-    session = Session(experiment, drivers, identity, recorder, clock)
+    withdrawn, doubt = _withdrawn(options.recordings)
+    session = Session(experiment, drivers, identity, recorder, clock, withdrawn)
     sessions.append(session)
     participants: set[str] = set()
     session.hub.listen(functools.partial(_note_participant, participants), m.SessionChanged)
@@ -229,6 +252,9 @@ async def _serve(
     try:
         await session.open()
         _tell_left_out(session, options.left_out)
+        if doubt:
+            text = f"nobody knows which codes were withdrawn: {doubt}"
+            session.hub.publish(m.Notice(level="warning", text=text))
         if not options.kind:
             await _assign_proposed(session)
         host.listen(listener)

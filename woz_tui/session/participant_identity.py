@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -81,6 +82,17 @@ def check_participant(code: str, pattern: str) -> None:
         ) from None
     if not fits:
         raise RequestError(f"{code!r} is not a code of this study", describe_pattern(pattern))
+
+
+def check_not_withdrawn(code: str, withdrawn: Collection[str]) -> None:
+    """Raise `RequestError` for a code whose participant withdrew: nobody else may be taken for them
+    in a report, or in a copy that was published before.
+    """
+    if code in withdrawn:
+        raise RequestError(
+            f"the participant {code} withdrew, and the code is not given again",
+            "take another code",
+        )
 
 
 def check_condition(condition: str, known: tuple[str, ...]) -> None:

@@ -41,7 +41,7 @@ from woz_tui.session.driver_faults import DriverFaults
 from woz_tui.session.driver_manager import DriverManager, make_drivers, motionless
 from woz_tui.session.engagement_control import EngagementController
 from woz_tui.session.engagement_robot import EngagementRobot
-from woz_tui.session.participant_identity import SessionIdentity
+from woz_tui.session.participant_identity import SessionIdentity, check_not_withdrawn
 from woz_tui.session.prediction import Forecaster, Kept, predicted
 from woz_tui.session.recent_messages import RecentMessages, unlisted
 from woz_tui.session.script_control import ScriptController
@@ -76,6 +76,7 @@ class Session:
         identity: Codes of session, participant, condition and wizard.
         recorder: Takes every line first.
         clock: Time.
+        withdrawn: Codes of participants who withdrew: nobody gets them again.
     """
 
     experiment: Experiment
@@ -83,6 +84,7 @@ class Session:
     identity: SessionIdentity
     recorder: Recorder
     clock: Clock
+    withdrawn: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         self.feeds = Feeds()
@@ -731,6 +733,8 @@ class Session:
 
     def _set(self, participant: str | None, condition: str | None, trial: int | None) -> None:
         self.study.allow(participant, other_trial=trial not in (None, self.identity.trial))
+        if participant is not None and participant != self.identity.participant:
+            check_not_withdrawn(participant, self.withdrawn)
         self.identity = self.identity.changed(self.experiment, participant, condition, trial)
         self.hub.publish(
             m.SessionChanged(participant=participant, condition=condition, trial=trial)

@@ -7,6 +7,7 @@ disk. From then on the withdrawal holds: the next one in that folder goes throug
 from __future__ import annotations
 
 import glob
+import hashlib
 import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
@@ -16,6 +17,7 @@ from pathlib import Path
 
 import msgspec
 
+from woz_tui import __version__
 from woz_tui.drivers.contract import DriverError
 from woz_tui.drivers.face_store import FaceStore
 from woz_tui.export.output_folder import README, SIGN, files_listed, files_section
@@ -24,6 +26,13 @@ from woz_tui.log.damage import Damage
 from woz_tui.log.disk import LogDisk
 from woz_tui.log.file_names import fallback_folders, without_participant
 from woz_tui.log.log_reader import merge
+from woz_tui.log.withdrawals import NAME as RECORD
+from woz_tui.log.withdrawals import (
+    TakenFile,
+    Withdrawal,
+    add_withdrawal,
+    withdrawals,
+)
 from woz_tui.sensing.visitor_store import VisitorsError, VisitorStore
 from woz_tui.system import files
 from woz_tui.withdrawal.code_words import CodeWords, is_distinct
@@ -32,6 +41,7 @@ from woz_tui.withdrawal.stored_files import (
     BY_HAND,
     DELETE,
     FORGET,
+    LOG,
     VISITORS,
     StoredFile,
     StoredFiles,
@@ -55,11 +65,14 @@ class WithdrawalError(Exception):
 
 
 class _Steps(msgspec.Struct):
-    """What is to be done, in this order; each can be done again. `replaced` and `renamed` are old
-    and new names; on the disk all are relative to the folder, of which `inode` is the number.
+    """What is to be done; each can be done again. `replaced` and `renamed` are old and new names;
+    on the disk all are relative to the folder, of which `inode` is the number. At the end `record`
+    is written in the folders `recorded_in`.
     """
 
     inode: int = 0
+    record: Withdrawal | None = None
+    recorded_in: list[str] = []
     replaced: list[tuple[str, str]] = []
     deleted: list[str] = []
     renamed: list[tuple[str, str]] = []
@@ -128,16 +141,19 @@ def _elsewhere(
         yield StoredFile(session.log.parent / name, "sound or picture", codes, BY_HAND, remedy)
 
 
-def withdraw(plan: Removal, home: Path, day: str) -> None:
-    """Do what `plan` says. `home` is the folder in which the list of steps lies meanwhile.
+def withdraw(plan: Removal, home: Path, day: str, by: str = "") -> None:
+    """Do what `plan` says, and record it in `home` and in the folders of the logs. `home` is the
+    folder in which the list of steps lies meanwhile. `by`: who does it.
 
     Raises:
+        WithdrawalRecordError: Likewise.
         WithdrawalError: Nothing was changed.
         OSError: Likewise, or, once the list is there, the rest is done by `finish`.
     """
     _refuse_open(plan)
     _refuse_read_only(plan)
     steps = _Steps()
+    record = _record(plan, home, day, by)
     try:
         for session in plan.cut:
             _prepare(session, plan, steps, day)
@@ -147,6 +163,18 @@ def withdraw(plan: Removal, home: Path, day: str) -> None:
         steps.deleted += [str(file.path) for file in plan.deleted if file.path not in exports]
         steps.deleted += _behind_links(plan, steps)
         steps.inode = home.stat().st_ino
+        steps.record = msgspec.structs.replace(
+            record,
+            lines=sum(summary.lines for summary in plan.summaries.values()),
+            samples=sum(summary.samples for summary in plan.summaries.values()),
+        )
+        logs = [session.log for session in plan.cut] + [
+            each.path for each in plan.deleted if each.what == LOG
+        ]
+        recorded = (home, *sorted({log.parent for log in logs}))
+        steps.recorded_in = [*dict.fromkeys(map(str, recorded))]
+        for folder in steps.recorded_in:
+            withdrawals(Path(folder))  # one that cannot be read is no place for more
         stored = _with_names(steps, lambda name: os.path.relpath(name, home))
         files.replace(home / JOURNAL, msgspec.json.encode(stored).decode(), mode=_MODE)
         LogDisk().fsync_folder(home)
@@ -161,6 +189,8 @@ def withdraw(plan: Removal, home: Path, day: str) -> None:
 def _with_names(steps: _Steps, change: Callable[[str], str]) -> _Steps:
     return _Steps(
         steps.inode,
+        steps.record,
+        [change(name) for name in steps.recorded_in],
         [(change(old), change(new)) for old, new in steps.replaced],
         [change(name) for name in steps.deleted],
         [(change(old), change(new)) for old, new in steps.renamed],
@@ -205,7 +235,10 @@ def finish(home: Path, named: Sequence[Path]) -> bool:
         )
     steps = _with_names(steps, lambda name: os.path.normpath(home / name))
     roots = [files.real(folder) for folder in (home, *named, *fallback_folders())]
-    for name in (*sum(steps.replaced, ()), *steps.deleted, *sum(steps.renamed, ())):
+    for name in (
+        *(*sum(steps.replaced, ()), *steps.deleted, *sum(steps.renamed, ())),
+        *(str(Path(folder) / RECORD) for folder in steps.recorded_in),
+    ):
         folder = files.real(Path(name).parent)
         if not any(folder.is_relative_to(root) for root in roots):
             raise WithdrawalError(
@@ -235,9 +268,40 @@ def _go_through(steps: _Steps, home: Path) -> None:
         with suppress(FileNotFoundError):
             Path(old).replace(new)
         folders.add(Path(new))
+    for recorded in steps.recorded_in:
+        if steps.record is not None:
+            add_withdrawal(Path(recorded), steps.record)
     for folder in sorted(folders, reverse=True):
         _leave(folder, home)
     (home / JOURNAL).unlink()
+
+
+def _record(plan: Removal, home: Path, day: str, by: str) -> Withdrawal:
+    """What is recorded of it, before any file changes."""
+
+    def taken(paths: Iterable[Path]) -> list[TakenFile]:
+        return [
+            TakenFile(os.path.relpath(path, home), path.lstat().st_size, _sha256(path))
+            for path in paths
+        ]
+
+    cut = [path for session in plan.cut for path, _ in session.beside_of([plan.code])]
+    return Withdrawal(
+        plan.code,
+        day,
+        by,
+        __version__,
+        taken(file.path for file in plan.deleted),
+        taken(cut),
+        forgotten=sum(len(file.names) for file in plan.forgotten),
+    )
+
+
+def _sha256(path: Path) -> str:
+    """Empty where it is no file that can be read."""
+    with suppress(OSError), files.open_regular(path) as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+    return ""
 
 
 def forget(plan: Removal) -> list[str]:

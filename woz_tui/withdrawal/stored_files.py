@@ -27,6 +27,7 @@ from woz_tui.log.log_files import LogFiles, files_of
 from woz_tui.log.log_reader import merge
 from woz_tui.log.samples_index import path_of
 from woz_tui.log.sessions import all_logs_in
+from woz_tui.log.withdrawals import NAME as RECORD
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.visitor_records import FORMAT
 from woz_tui.sensing.visitor_store import VisitorsError, VisitorStore
@@ -43,6 +44,8 @@ _PASSED = frozenset({".git", ".venv", "node_modules", "__pycache__"})
 _PIECE, _OVERLAP = 1 << 22, 64
 _BEGINNING = 1 << 13
 
+#: What holds the lines of a session.
+LOG = "log"
 _SAID, _CODES = "what the robot process said", "codes of coders"
 
 #: Stores with entries of people.
@@ -131,7 +134,7 @@ class StoredSession:
     def beside(self) -> Iterator[tuple[Path, str]]:
         """Its files, and what is beside them, with what each is."""
         for path in self.files.actions:
-            yield path, "log"
+            yield path, LOG
         for path in self.files.samples:
             yield path, "samples of sensors"
             if (index := path_of(path)).is_file():
@@ -198,7 +201,7 @@ def stored_files(folders: Sequence[Path], codes: Iterable[str] = ()) -> StoredFi
         exports = dict[Path, Path]()
         for path in _files_below(folder, found.problems):
             exports.update(dict.fromkeys(_exported_with(path), path.parent))
-            if real(path) not in claimed:
+            if real(path) not in claimed and path.name != RECORD:
                 _look_at(path, path.relative_to(folder), words, exports.get(path), found)
     _look_at_faces(words, found)
     return found

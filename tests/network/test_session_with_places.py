@@ -12,6 +12,7 @@ from tests.fakes.ports import free_port
 from tests.network.other_computer import SILENCE_S, OtherComputer, listens
 from tests.remote.network import Cable
 from tests.session.rig import SessionRig
+from woz_tui.bus import lane
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.gate.questions import RequestOrigin
@@ -40,6 +41,7 @@ async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(remote_driver, "LATE_S", 10.0)  # a busy machine holds commands back
+    monkeypatch.setattr(lane, "GRACE_S", 10.0)  # and what is cancelled
     patient = partial(DriverRouter, silence_s=SILENCE_S)
     monkeypatch.setattr(driver_router, "DriverRouter", patient)
     port = free_port()
@@ -71,8 +73,9 @@ async def test_a_stop_in_a_frozen_network_is_unreached_and_made_up_for(
         cable.flowing.set()
         await until(lambda: len(confirmed()) >= 2, 20)
         assert confirmed()[-1].confirmed == ["arm"]
-        assert not rig.kinds(m.LaneFaulted)  # it is the network, and no job that hangs
-        assert rig.kinds(m.ActionEnd)[-1] == "ActionStopped"
+        # It is the network, and no job that hangs.
+        await until(lambda: rig.kinds(m.ActionEnd)[-1] == "ActionStopped", 5)
+        assert not rig.kinds(m.LaneFaulted)
     finally:
         cable.flowing.set()
         await rig.session.close("test")

@@ -22,6 +22,7 @@ from tools import EXPERIMENTS
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver, DriverContext
 from woz_tui.features.phases.in_session import PhaseController
+from woz_tui.features.scripts.in_session import ScriptController
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.experiment_view import ExperimentView, plan_of
 from woz_tui.protocol import codec
@@ -71,7 +72,8 @@ def play(name: str) -> Callable[[Session], object]:
 
 def space(session: Session) -> object:
     """The script's next line."""
-    return session.script_next(RequestOrigin("script", "space", "con1"))
+    script = session.features.of(ScriptController)
+    return script.play_next(RequestOrigin("script", "space", "con1"))
 
 
 WORKING: tuple[Step, ...] = (

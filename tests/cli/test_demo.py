@@ -19,6 +19,7 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.config.robot_fit import fitted
 from woz_tui.drivers.plugins import installed
+from woz_tui.features.scripts.section import SCRIPT
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.system.clock import RealClock
@@ -81,7 +82,7 @@ def test_a_demo_has_the_size_of_its_robot(robot: str) -> None:
             assert (call.driver, call.verb) in verbs or call.driver in ("session", "engagement")
             if call.verb in ("lock", "unlock"):
                 assert call.args["panel"] in {panel.title for panel in experiment.panels}
-    first = experiment.action(experiment.script[0])
+    first = experiment.action(SCRIPT.of(experiment)[0])
     assert first is not None
     assert "say" in [call.verb for call in first.calls] or "say" not in {v for _, v in verbs}
     sensors = {name for spec in experiment.drivers for name in spec.offer.sensors}

@@ -12,6 +12,7 @@ from woz_tui.config.loading import load
 from woz_tui.config.session_verbs import WAIT, session_verbs
 from woz_tui.drivers.plugins import installed
 from woz_tui.features.phases.section import PHASES
+from woz_tui.features.scripts.section import SCRIPT
 from woz_tui.session.session_driver import VERBS
 
 ROOT = Path(__file__).parents[2]
@@ -31,7 +32,7 @@ def actions_of(experiment: Experiment) -> list[Action]:
 def test_an_example_is_read_without_a_warning(path: Path) -> None:
     experiment = load(path, installed())
     assert experiment.warnings == ()
-    assert experiment.script or any(phase.script for phase in PHASES.of(experiment))
+    assert SCRIPT.of(experiment) or any(phase.script for phase in PHASES.of(experiment))
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -53,7 +54,7 @@ def test_the_demo_shows_every_verb_of_the_simulated_robot() -> None:
     assert offered - used == set()
     assert 25 <= len(actions_of(demo)) <= 60
     assert len(demo.panels) in (5, 6)
-    assert len(demo.script) == 7
+    assert len(SCRIPT.of(demo)) == 7
 
 
 def test_the_reader_knows_the_verbs_that_the_session_carries_out() -> None:

@@ -14,6 +14,7 @@ from tests.config.reading import HEAD, ROBOT, errors, only, panel, read_experime
 from woz_tui.config.experiment import Action, Call, Experiment, ParallelCalls, Wait
 from woz_tui.config.loading import load
 from woz_tui.config.reload_changes import compare
+from woz_tui.features.scripts.section import SCRIPT
 
 GOOD = Path(__file__).parent / "good"
 
@@ -116,7 +117,7 @@ def test_the_rest_of_the_file(everything: Experiment) -> None:
     assert everything.session.deadline == 2.0
     assert everything.session.abandon_after == 600.0
     assert everything.session.stale_after == 0.5
-    assert everything.script == ("No", "Steps", "No")
+    assert SCRIPT.of(everything) == ("No", "Steps", "No")
     assert [panel.locked for panel in everything.panels] == [False, False, False]
     assert everything.panels[0].actions[2].locked
     assert everything.panels[0].actions[2].help == "Off"

@@ -7,10 +7,11 @@ import pytest
 from textual.widgets import OptionList
 
 from tests.console import scenes
-from tests.console.dialogs import entry, open_dialog
+from tests.console.dialogs import open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.scripted_feed import raw
 from woz_tui.config.utterance_template import HIDDEN_TEXT
+from woz_tui.features.scripts.kinds import AskScript, ScriptMoved
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -218,7 +219,7 @@ async def test_a_peek_ends_with_the_next_key_which_does_what_it_does() -> None:
         assert played(pilot) == ["Look"]
         await pilot.press("apostrophe", "space")
         assert pilot.console.dialog is None
-        assert isinstance(pilot.feed.last(r.AskScript), r.AskScript)
+        assert isinstance(pilot.feed.last(AskScript), AskScript)
         await pilot.press("apostrophe", "slash")
         assert type(pilot.console.dialog).__name__ == "SayDialog"
         await pilot.press("ctrl+q", "apostrophe", "z")
@@ -239,40 +240,6 @@ async def test_the_key_that_a_peek_shows_plays_when_pressed_again_but_not_held()
         assert played(pilot) == ["Food"]
 
 
-async def test_the_next_line_is_edited_before_it_is_said() -> None:
-    async with piloted_console(guide()) as pilot:
-        await pilot.press("ctrl+g")
-        assert "Edit: Tank" in pilot.drawn()
-        assert entry(pilot).value == "This is the krill tank."
-        assert "enter says it so, once; the file is not changed" in pilot.drawn()
-        await pilot.press(*["backspace"] * 11)
-        await pilot.type("whale!")
-        await pilot.press("escape", "ctrl+g")
-        assert entry(pilot).value == "This is the whale!", "a stop keeps what was typed"
-        await pilot.press("enter")
-        asked = pilot.feed.last(r.AskScript)
-        assert isinstance(asked, r.AskScript)
-        assert (asked.play, asked.to, asked.text) == (True, 0, "This is the whale!")
-        await pilot.press("ctrl+g", "enter")
-        asked = pilot.feed.last(r.AskScript)
-        assert isinstance(asked, r.AskScript)
-        assert asked.text == "", "unchanged it is said as it stands in the file"
-
-
-async def test_a_line_is_not_edited_that_was_played_meanwhile_or_is_kept() -> None:
-    async with piloted_console(guide(blind=True)) as pilot:
-        await pilot.press("ctrl+g")
-        assert "Edit: Tank" in pilot.drawn()
-        await pilot.tell(m.ScriptMoved(position=1, played=[0], t=NOW + 1))
-        assert pilot.console.dialog is None
-        await pilot.press("ctrl+g")
-        assert pilot.console.dialog is None
-        assert "what it says is kept from you" in pilot.drawn()
-        await pilot.tell(m.ScriptMoved(position=2, played=[0, 1], t=NOW + 2))
-        await pilot.press("ctrl+g")
-        assert "The script has no next line" in pilot.drawn()
-
-
 async def test_escape_stops_from_a_peek() -> None:
     async with piloted_console(guide()) as pilot:
         await open_dialog(pilot, "PeekDialog")
@@ -282,7 +249,7 @@ async def test_escape_stops_from_a_peek() -> None:
 
 
 async def test_what_is_kept_is_named_as_kept() -> None:
-    async with piloted_console(guide(m.ScriptMoved(position=1), blind=True)) as pilot:
+    async with piloted_console(guide(ScriptMoved(position=1), blind=True)) as pilot:
         assert "what it says is kept from you" in pilot.text("StopBar")
         await open_dialog(pilot, "PeekDialog")
         await pilot.press("s")

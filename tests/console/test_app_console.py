@@ -18,6 +18,7 @@ from woz_tui.config.keys.terminals import KITTY
 from woz_tui.console.drawing.glyphs import ASCII
 from woz_tui.console.drawing.theme import Appearance
 from woz_tui.console.screen_app import PAINT_S
+from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -220,17 +221,9 @@ async def test_a_stop_that_is_released_at_once_does_not_stay_on_the_bar() -> Non
 
 async def test_keys_of_the_console_without_dialogs() -> None:
     async with piloted_console() as pilot:
-        await pilot.press("space", "full_stop", "backspace")
+        await pilot.press("full_stop", "backspace")
         kinds = [type(asked) for asked in pilot.feed.asked]
-        assert kinds == [r.AskScript, r.AskMarker, r.AskMistake]
-        await pilot.press("greater_than_sign")
-        moved = pilot.feed.last(r.AskScript)
-        assert isinstance(moved, r.AskScript)
-        assert (moved.play, moved.by) == (False, 1)
-        await pilot.press("less_than_sign")
-        moved = pilot.feed.last(r.AskScript)
-        assert isinstance(moved, r.AskScript)
-        assert (moved.play, moved.by) == (False, -1)
+        assert kinds == [r.AskMarker, r.AskMistake]
 
 
 async def test_the_last_run_can_be_cut_short() -> None:
@@ -291,7 +284,7 @@ async def test_the_first_alt_chord_of_a_plain_terminal_is_explained_once() -> No
 
 async def test_a_refusal_is_shown_where_the_hints_are() -> None:
     async with piloted_console() as pilot:
-        pilot.feed.answers[r.AskScript] = lambda _, ref: r.Reply(
+        pilot.feed.answers[AskScript] = lambda _, ref: r.Reply(
             ref=ref, ok=False, reason="the script has no more lines"
         )
         await pilot.press("space")
@@ -301,7 +294,7 @@ async def test_a_refusal_is_shown_where_the_hints_are() -> None:
 async def test_a_refusal_names_the_key_that_helps_as_it_is_bound_here() -> None:
     moved = [replace(key, chord="ctrl+n") if key.id == "start" else key for key in BUILTIN_KEYS]
     async with piloted_console(builtins=moved) as pilot:
-        pilot.feed.answers[r.AskScript] = lambda _, ref: r.Reply(
+        pilot.feed.answers[AskScript] = lambda _, ref: r.Reply(
             ref=ref, ok=False, reason="nobody", hint="choose", command="start"
         )
         await pilot.press("space")

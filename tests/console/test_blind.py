@@ -118,7 +118,7 @@ def assert_blind(pilot: ConsolePilot, where: str) -> None:
     screens = pilot.console.screen_stack
     drawn = pilot.drawn() + "".join(
         pilot.text(name)
-        for name in ("StatusLines", "ActionPanels", "Meters", "EventList", "StopBar", "ScriptPane")
+        for name in ("StatusLines", "ActionPanels", "Meters", "EventList", "StopBar", "OrderPane")
     )
     assert screens
     for secret in SECRETS:
@@ -138,7 +138,7 @@ async def test_no_screen_and_no_dialog_tells_the_condition(
             await pilot.settle()
             assert_blind(pilot, name)
             await pilot.press("ctrl+q")
-        assert "{greeting}" in pilot.text("ScriptPane") or size == (80, 24)
+        assert "{greeting}" in pilot.text("OrderPane") or size == (80, 24)
         await pilot.press("colon")
         await pilot.type("greet")
         assert_blind(pilot, "find")

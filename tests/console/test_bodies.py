@@ -43,7 +43,7 @@ def pane(*messages: m.Message, size: tuple[int, int] = (50, 20), now: int = NOW)
 
 
 def places(pilot: ConsolePilot) -> list[object]:
-    parts = ("ActionPanels", "Meters", "BodyPane", "EventList", "ScriptPane")
+    parts = ("ActionPanels", "Meters", "BodyPane", "EventList", "OrderPane")
     return [pilot.console.query_one(name).region for name in parts]
 
 

@@ -61,7 +61,6 @@ def test_the_welcome_fills_the_picture() -> None:
     study = picture.session.study
     assert (study.participant, study.condition, study.number) == ("P07", "warm", 3)
     assert {driver.health for driver in picture.drivers.values()} == {"connected"}
-    assert picture.position == 2
     assert picture.now(0) == NOW
 
 
@@ -438,7 +437,7 @@ def test_a_reload_replaces_panels_and_keeps_what_runs() -> None:
     )
     picture.apply([shorter], 0)
     assert picture.edition > edition
-    assert (picture.plan.title, picture.position, len(picture.panels)) == ("Guide 2", 1, 1)
+    assert (picture.plan.title, len(picture.panels)) == ("Guide 2", 1)
     assert state(picture, "Hello") is ButtonState.RUNNING
 
 

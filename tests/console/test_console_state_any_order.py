@@ -131,7 +131,6 @@ def test_no_message_in_any_order_is_too_much(batch: list[Incoming], local: int) 
         for action in panel.actions:
             standing = state.button_view(panel, action, now)
             assert standing.share is None or 0 <= standing.share <= 1
-    assert 0 <= state.position <= len(state.script)
     assert len(state.runs.active) <= len(batch) + 20
     for sensor in map(state.sensor, state.sensors):
         assert sensor is not None

@@ -10,6 +10,7 @@ from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.console.screens.body import BodyDialog
 from woz_tui.console.screens.drawing import DrawingDialog
 from woz_tui.console.screens.knobs import KnobsDialog
+from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 
@@ -43,7 +44,7 @@ async def test_keys_play_while_it_is_drawn(key: str) -> None:
         await pilot.press(name.key)
         assert requested_actions(pilot) == [name.name, name.name]
         await pilot.press("space")
-        assert any(isinstance(asked, r.AskScript) for asked in pilot.feed.asked)
+        assert any(isinstance(asked, AskScript) for asked in pilot.feed.asked)
         assert pilot.console.dialog is not None
 
 

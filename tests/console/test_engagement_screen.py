@@ -21,6 +21,7 @@ from woz_tui.console.screens.engagement_questions import ForceDialog, IdentityDi
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.engagement_text import short_state
 from woz_tui.console.state.wizard_overrides import KEYS, OVERRIDES
+from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import ModelLimits
@@ -228,7 +229,7 @@ async def test_keys_play_until_tab_takes_the_model_into_the_hand() -> None:
         await pilot.press("tab", "g", "1", "space")
         assert verbs(pilot) == [("toggle", {"sign": "gaze"})]
         assert requested_actions(pilot) == ["Coin hoard", "Nod", "Nod"], "other keys play on"
-        assert any(isinstance(asked, r.AskScript) for asked in pilot.feed.asked)
+        assert any(isinstance(asked, AskScript) for asked in pilot.feed.asked)
         assert "BY HAND" in pilot.drawn()
         assert "these play nothing meanwhile: p Pause, g Coin hoard" in pilot.drawn()
         await pilot.press("tab", "g")

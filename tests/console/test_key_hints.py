@@ -54,7 +54,9 @@ async def test_the_robots_key_has_room_in_80_columns(script: bool) -> None:
 
 def hint_texts(news: str, width: int = 80) -> list[str]:
     rows = bar_rows(
-        ConsoleState(), PaintFrame(width, 2, 0), BarInfo(News(news), (("Esc", "stop"),), "Space")
+        ConsoleState(),
+        PaintFrame(width, 2, 0),
+        BarInfo(News(news), (("Esc", "stop"),), ("Space", "")),
     )
     assert [length(row) for row in rows] == [width, width]
     return ["".join(text for text, _ in row).strip() for row in rows]

@@ -7,11 +7,11 @@ import pytest
 from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS, by_key
 from woz_tui.console.input.keyboard import EARLY_LIMIT, SEQUENCE_S, ArrowSizes, Keyboard
+from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.protocol.requests import (
     AskAction,
     AskMarker,
     AskMistake,
-    AskScript,
     AskStop,
     AskVerb,
 )

@@ -8,13 +8,9 @@ from textual.geometry import Size
 
 from tests.console import scenes
 from tests.console.piloting import piloted_console
-from woz_tui.console.drawing.cells import length
-from woz_tui.console.drawing.glyphs import PaintFrame
-from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.console.widgets.bottom_rows import script_rows
 from woz_tui.console.widgets.main_screen import (
     ACTIONS,
-    SCRIPT_BAR,
+    ORDER_BAR,
     STATUS,
     Needs,
     shape,
@@ -41,10 +37,10 @@ def test_the_shape_follows_the_screen(size: tuple[int, int], name: str) -> None:
 
 @given(st.integers(1, 300), st.integers(8, 200), st.integers(1, 90), st.integers(1, 90))
 def test_the_upper_row_leaves_room_below(width: int, height: int, panels: int, meters: int) -> None:
-    lines = upper_lines(Size(width, height), Needs(panels, meters, bar=SCRIPT_BAR))
+    lines = upper_lines(Size(width, height), Needs(panels, meters, bar=ORDER_BAR))
     assert lines >= 3
     if height >= 24:
-        assert height - STATUS - ACTIONS - SCRIPT_BAR - lines >= 7
+        assert height - STATUS - ACTIONS - ORDER_BAR - lines >= 7
 
 
 async def test_at_80_by_24_panels_have_ten_lines_and_the_next_sentence_two() -> None:
@@ -86,7 +82,7 @@ async def test_on_a_roomy_screen_events_have_their_width_and_the_script_its_word
     first = scenes.welcome(state=[*scenes.healthy(), *scenes.sensors()], recent=scenes.history())
     async with piloted_console(first, size=(160, 50)) as pilot:
         assert "head: servo 2 (pitch) overloaded" in pilot.text("EventList")
-        assert "Hello P07, nice to see you." in pilot.text("ScriptPane")
+        assert "Hello P07, nice to see you." in pilot.text("OrderPane")
         places = [
             pilot.console.query_one(name).region for name in ("ActionPanels", "Meters", "EventList")
         ]
@@ -97,29 +93,4 @@ async def test_on_a_roomy_screen_events_have_their_width_and_the_script_its_word
         ]
         await pilot.pilot.resize_terminal(100, 30)
         await pilot.settle()
-        assert not pilot.console.query_one("ScriptPane").display
-
-
-def scripted(position: int, height: int) -> list[str]:
-    state = ConsoleState()
-    state.apply([scenes.welcome(state=[scenes.start()])], 0)
-    state.apply([m.ScriptMoved(position=position, t=NOW)], 0)
-    rows = script_rows(state, PaintFrame(40, height, NOW))
-    assert len(rows) <= height
-    assert all(length(row) == 40 for row in rows)
-    return ["".join(text for text, _ in row).rstrip() for row in rows]
-
-
-def test_the_script_marks_what_was_played_and_what_is_next() -> None:
-    shown = scripted(1, 30)
-    assert shown[0] == " ✓ Hello"
-    assert " ▸ Welcome" in shown
-    assert shown[-1] == "     Goodbye, and thank you for coming."
-
-
-@pytest.mark.parametrize("position", range(7))
-def test_the_next_line_of_the_script_is_always_in_sight(position: int) -> None:
-    shown = scripted(position, 5)
-    assert 4 <= len(shown) <= 5
-    if position < 6:
-        assert any(line.startswith(" ▸") for line in shown)
+        assert not pilot.console.query_one("OrderPane").display

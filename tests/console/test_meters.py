@@ -13,7 +13,7 @@ from woz_tui.console.drawing.glyphs import ASCII, UNICODE, PaintFrame
 from woz_tui.console.drawing.number_text import decibels, seconds, time_left
 from woz_tui.console.link.message_feed import Loss, LostPart
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.console.widgets.bottom_rows import BarInfo, News, bar_rows, script_row
+from woz_tui.console.widgets.bottom_rows import BarInfo, News, bar_rows
 from woz_tui.console.widgets.event_list import event_rows, listed_events
 from woz_tui.console.widgets.meters import meter_rows
 from woz_tui.console.widgets.status_rows import StatusInfo, status_rows
@@ -376,30 +376,12 @@ def test_a_robot_that_is_back_is_told_as_its_loss_was() -> None:
     assert any("✓ nao connected  after 2.1 s" in line for line in lines)
 
 
-def test_the_scripts_line() -> None:
-    shown = text([script_row(console_state(), PaintFrame(60, 1, NOW), "Space")])
-    assert "▸ Map" in shown
-    assert "→ Roman glass" in shown
-    assert shown.rstrip().endswith("2/6")
-    ended = text(
-        [script_row(console_state(m.ScriptMoved(position=6)), PaintFrame(60, 1, NOW), "Space")]
-    )
-    assert "Script has ended" in ended
-
-
-def test_the_scripts_line_leaves_out_what_was_played_by_its_key() -> None:
-    picture = console_state(m.ScriptMoved(position=0, played=[1, 2, 4], t=NOW))
-    shown = text([script_row(picture, PaintFrame(80, 1, NOW), "Space")])
-    assert "▸ Hello  → Roman glass  → Goodbye" in shown
-    assert shown.rstrip().endswith("3/6")
-
-
 def bar(picture: ConsoleState, asked_us: int | None = None, frame: PaintFrame | None = None) -> str:
     hints = (("Esc", "stop"), ("/", "say"))
     rows = bar_rows(
         picture,
         frame or PaintFrame(80, 2, NOW),
-        BarInfo(News(), hints, "Space", "^R", asked_us, failures="f9"),
+        BarInfo(News(), hints, ("Space", ""), "^R", asked_us, failures="f9"),
     )
     assert len(rows) == 2
     assert all(length(row) == (frame or FRAME_BAR).width for row in rows)

@@ -13,6 +13,7 @@ from woz_tui.console.drawing.theme import Appearance
 from woz_tui.console.questionnaire.widget import QuestionnaireSheet
 from woz_tui.console.screens.questionnaire import QuestionnaireDialog
 from woz_tui.console.state.questionnaires import items_of
+from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.messages import Json
@@ -195,7 +196,7 @@ async def test_no_key_of_the_experiment_plays_meanwhile() -> None:
     async with piloted_console(study_scene.welcome()) as pilot:
         await asking(pilot)
         await pilot.press("enter", "h", "f1", "space", "full_stop")
-        for kind in (r.AskAction, r.AskScript, r.AskMarker):
+        for kind in (r.AskAction, AskScript, r.AskMarker):
             assert pilot.feed.last(kind) is None
 
 

@@ -13,6 +13,7 @@ from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.scripted_feed import redacted_welcome
 from woz_tui.console.drawing.cells import Cells
 from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.features.scripts.kinds import ScriptMoved
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import PerceptionView, StudySettings
@@ -51,7 +52,7 @@ def restricted_welcome(hide: list[str], blur: list[str] | None = None, **more: A
 
 
 def everything(pilot: ConsolePilot) -> str:
-    parts = ("StatusLines", "Meters", "BodyPane", "EventList", "StopBar", "ScriptPane")
+    parts = ("StatusLines", "Meters", "BodyPane", "EventList", "StopBar", "OrderPane")
     return pilot.drawn() + "\n" + "\n".join(map(pilot.text, parts))
 
 
@@ -126,7 +127,7 @@ async def test_its_place_stays_with_a_quiet_word(what: str) -> None:
 
 @pytest.mark.parametrize("size", [(80, 24), (160, 50)])
 async def test_no_word_is_as_faint_as_a_line(size: tuple[int, int]) -> None:
-    moved = m.ScriptMoved(position=2, played=[0, 1], t=NOW)
+    moved = ScriptMoved(position=2, played=[0, 1], t=NOW)
     for hidden in ([*TRACES], []):
         async with piloted_console(restricted_welcome(hidden, role="wizard"), size=size) as pilot:
             await pilot.tell(moved)

@@ -11,7 +11,8 @@ import pytest
 
 from tests.fakes.host import FakeHost
 from tests.fakes.terminal import FakeTerminal
-from woz_tui.protocol.requests import AskAction, AskScript, AskStop, AskVerb
+from woz_tui.features.scripts.kinds import AskScript
+from woz_tui.protocol.requests import AskAction, AskStop, AskVerb
 
 pytestmark = pytest.mark.real_clock
 

@@ -10,8 +10,9 @@ from typing import Literal, Self
 
 import pytest
 
-from tests.session.rig import HERE, SessionRig, action, call, experiment, together
+from tests.session.rig import HERE, SessionRig, action, call, experiment, together, with_script
 from woz_tui.config.experiment import Experiment, Panel, Wait
+from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.gate.table import LET_GO
 from woz_tui.host.client_connection import ClientConnection, RequestScheduler
@@ -19,7 +20,7 @@ from woz_tui.host.dead_man_switch import DeadManSwitch
 from woz_tui.host.held_driving import FIRST_REPEAT_S, NEXT_REPEAT_S
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.requests import AskAction, AskLetGo, AskScript, AskVerb, Hello, Request
+from woz_tui.protocol.requests import AskAction, AskLetGo, AskVerb, Hello, Request
 
 pytestmark = pytest.mark.safety
 
@@ -98,12 +99,8 @@ def driving_experiment(folder: Path, driving: Setting) -> Experiment:
     made = experiment(folder)
     later = action("Later", Wait(1.0), together(call("drive", x=1.0)), panel="Base")
     base = Panel("Base", (*made.panels[1].actions, later), HERE)
-    return replace(
-        made,
-        panels=(made.panels[0], base),
-        script=("Go",),
-        session=replace(made.session, driving=driving),
-    )
+    session = replace(made.session, driving=driving)
+    return with_script(replace(made, panels=(made.panels[0], base), session=session), "Go")
 
 
 def played(

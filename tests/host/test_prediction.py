@@ -11,7 +11,7 @@ from woz_drivers.simulated import SimulatedRobot, SimulatedSettings
 
 from tests.host.rig import ServedSession, served_session
 from tests.host.test_programs import program
-from tests.session.rig import action, call, experiment, together
+from tests.session.rig import action, call, experiment, together, with_script
 from woz_tui.config.experiment import DriverSpec, Experiment, Panel, Wait
 from woz_tui.config.study import Design
 from woz_tui.protocol import messages as m
@@ -36,9 +36,8 @@ def simulated(folder: Path) -> Experiment:
         action("Look", together(call("gaze", yaw=10.0)), together(call("say", text=TEXT))),
         action("Who", together(call("say", text="{greeting} {participant}"))),
     )
-    return replace(
-        made, drivers=(spec,), panels=(Panel("P", actions, place),), script=(), variables={}
-    )
+    made = replace(made, drivers=(spec,), panels=(Panel("P", actions, place),), variables={})
+    return with_script(made)
 
 
 def robot(folder: Path, made: Experiment | None = None) -> Any:

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from tests.host.rig import Peer, ServedSession, served_session
-from tests.session.rig import HERE, ScriptedDriver, action, call, experiment, together
+from tests.session.rig import HERE, ScriptedDriver, action, call, experiment, together, with_script
 from woz_tui.config.experiment import Experiment, Panel, SessionSettings
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.drivers.contract import Argument, Job, Offer, Verb
@@ -165,7 +165,7 @@ def with_faces(folder: Path) -> Experiment:
     made = experiment(folder)
     speech = Panel("Speech", (action("Anna agrees", *steps),), HERE)
     spec = replace(made.drivers[0], offer=LearningDriver.offer(None))
-    return replace(made, panels=(speech,), script=("Anna agrees",), drivers=(spec,))
+    return with_script(replace(made, panels=(speech,), drivers=(spec,)), "Anna agrees")
 
 
 PRESSES: list[tuple[str, dict[str, Any]]] = [

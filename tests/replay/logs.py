@@ -226,7 +226,7 @@ def seen_by_wizard(state: ConsoleState, local: int = 0) -> dict[str, object]:
     return {
         "participant": (study.participant, study.condition, study.number),
         "panels": state.panels,
-        "position": state.position,
+        "features": [[*each.lines] for each in session.histories.values()],
         "locks": {panel: panel_locked.locked for panel, panel_locked in session.locks.items()},
         "drivers": state.drivers,
         "sensors": [state.sensor(name) for name in state.sensors],

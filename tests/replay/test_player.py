@@ -4,6 +4,7 @@ import pytest
 
 from tests.replay.logs import SECOND, START, Viewer, distance, recording_of, stamped, story
 from woz_tui.console.state.view_models import ButtonState
+from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -278,7 +279,7 @@ def test_samples_alone_do_not_keep_a_stretch() -> None:
     [
         r.AskAction(action="Hello"),
         r.AskVerb(verb="say", args={"text": "x"}),
-        r.AskScript(),
+        AskScript(),
         r.AskMarker(),
         r.AskNote(text="x"),
         r.AskMistake(),

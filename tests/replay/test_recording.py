@@ -20,6 +20,7 @@ from tests.replay.logs import (
     story,
 )
 from woz_tui.features.delay.kinds import ActionHeld
+from woz_tui.features.scripts.kinds import ScriptMoved
 from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -43,7 +44,7 @@ _SINGLE: st.SearchStrategy[m.Message] = st.one_of(
     st.builds(m.DriverLost, driver=_DRIVERS, detail=st.just("cable"), remedy=st.just("plug")),
     st.builds(m.DriverConnected, driver=_DRIVERS, detail=st.just("")),
     st.builds(m.PanelLocked, panel=st.just("Speech"), locked=st.booleans()),
-    st.builds(m.ScriptMoved, position=st.integers(0, 2)),
+    st.builds(ScriptMoved, position=st.integers(0, 2)),
     st.builds(m.SessionChanged, participant=st.none() | st.just("P07"), trial=st.integers(1, 9)),
     st.builds(
         m.SensorChanged,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import functools
 from collections.abc import Awaitable, Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
@@ -21,6 +21,7 @@ from woz_tui.config.experiment import (
     Step,
     Wait,
 )
+from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.file_position import FilePosition
 from woz_tui.drivers.contract import (
     Argument,
@@ -34,6 +35,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
+from woz_tui.feature import pieces
 from woz_tui.log.disk import LogDisk
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
@@ -127,7 +129,7 @@ def experiment(tmp_path: Path, drivers: tuple[str, ...] = ("robot",)) -> Experim
         action("Hot", together(call("set", "session", condition="hot"))),
     )
     base = (action("Go", together(call("drive", x=1.0)), panel="Base"),)
-    return Experiment(
+    made = Experiment(
         title="Made by hand",
         path=tmp_path / "made.yaml",
         sha256="0" * 64,
@@ -136,12 +138,18 @@ def experiment(tmp_path: Path, drivers: tuple[str, ...] = ("robot",)) -> Experim
             for name in drivers
         ),
         panels=(Panel("Speech", speech, HERE), Panel("Base", base, HERE, locked=False)),
-        script=("Hello", "Welcome"),
         participant_pattern=r"P\d\d",
         conditions=("warm", "cold"),
         variables={"place": "museum"},
         session=SessionSettings(),
     )
+    return with_script(made, "Hello", "Welcome")
+
+
+def with_script(made: Experiment, *lines: str) -> Experiment:
+    """The same with this script, where there are scripts."""
+    section = pieces("section", FeatureSection).get("scripts")
+    return replace(made, sections={**made.sections, section: lines}) if section else made
 
 
 class SessionRig:

@@ -23,18 +23,6 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 
 
-def test_a_line_of_the_script_that_a_full_queue_refuses_is_not_passed(tmp_path: Path) -> None:
-    async def play(rig: SessionRig) -> None:
-        for _ in range(17):
-            rig.session.play("Repeat", KEY, "queue")
-        with pytest.raises(RequestError, match="queue full"):
-            rig.session.script_next(KEY)
-
-    rig = scene(tmp_path, play, tuple(a for a in ACTIONS if a.name in ("Repeat", "Hello")))
-    assert isinstance(ends(rig)["Hello"], m.ActionRefused)
-    assert not [line for line in rig.of(m.ScriptMoved) if line.position]
-
-
 def test_the_queue_is_emptied_and_what_runs_goes_on(tmp_path: Path) -> None:
     async def play(rig: SessionRig) -> None:
         for name in ("Repeat", "Map", "Hello", "Wave"):

@@ -173,15 +173,3 @@ def test_a_reload_brings_the_locks_that_were_edited_and_no_others(tmp_path: Path
     rig = on_stage(tmp_path, scenario)
     told = [(line.panel, line.locked) for line in rig.of(m.PanelLocked)]
     assert told == [("Base", True), ("Speech", True), ("Speech", False)]
-
-
-def test_a_script_that_became_shorter_moves_its_position_for_everybody(tmp_path: Path) -> None:
-    async def scenario(rig: SessionRig) -> None:
-        session = rig.session
-        session.move_script(2)
-        session.adopt(replace(session.experiment, script=("Hello",)), ["shorter"])
-        assert session.scripts.now.position == 1
-
-    rig = on_stage(tmp_path, scenario)
-    moves = [line.position for line in rig.of(m.ScriptMoved)]
-    assert moves == [2, 1]

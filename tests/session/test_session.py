@@ -141,32 +141,6 @@ def test_the_stop_ends_runs_in_a_command_and_runs_in_a_pause(tmp_path: Path) -> 
     assert ("play", {"move": "point"}) not in rig.driver().calls
 
 
-def test_script_moves_on_and_ends(tmp_path: Path) -> None:
-    async def scenario(rig: SessionRig) -> None:
-        rig.session.script_next(KEY)
-        await asyncio.sleep(0.1)
-        rig.session.script_next(KEY)
-        await asyncio.sleep(2)
-        with pytest.raises(RequestError, match="no more lines"):
-            rig.session.script_next(KEY)
-        rig.session.move_script(0)
-        with pytest.raises(RequestError, match="2 lines"):
-            rig.session.move_script(3)
-
-    rig = on_stage(tmp_path, scenario)
-    assert [line.position for line in rig.of(m.ScriptMoved)] == [1, 2, 0]
-
-
-def test_a_refused_script_line_is_not_skipped(tmp_path: Path) -> None:
-    async def scenario(rig: SessionRig) -> None:
-        rig.session.stop("key")
-        with pytest.raises(RequestError):
-            rig.session.script_next(KEY)
-        assert rig.session.scripts.now.position == 0
-
-    on_stage(tmp_path, scenario)
-
-
 def test_set_checks_everything_before_it_sets_anything(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         for participant, condition in (
@@ -482,16 +456,10 @@ def test_stale_presses_of_all_kinds_are_refused_and_logged(tmp_path: Path) -> No
         with pytest.raises(RequestError, match="late"):
             rig.session.play("Hello", KEY, stale="stale: late")
         with pytest.raises(RequestError, match="late"):
-            rig.session.script_next(KEY, stale="stale: late")
-        with pytest.raises(RequestError, match="late"):
             rig.session.send("drive", {"x": 1.0}, "", KEY, stale="stale: late")
-        assert rig.session.scripts.now.position == 0
 
     rig = on_stage(tmp_path, scenario)
-    assert [line.reason for line in rig.of(m.ActionRefused)] == [
-        "stale: late",
-        "stale: late",
-    ]
+    assert [line.reason for line in rig.of(m.ActionRefused)] == ["stale: late"]
     refused = rig.of(m.Refused)
     assert [(line.code, line.reason) for line in refused] == [("stale", "stale: late")]
     assert all(verb in ("rest", "close") for verb, _ in rig.driver().calls)

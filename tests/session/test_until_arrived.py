@@ -8,7 +8,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
+from tests.session.rig import (
+    ScriptedDriver,
+    SessionRig,
+    action,
+    call,
+    experiment,
+    together,
+    with_script,
+)
 from woz_tui.config.experiment import Panel
 from woz_tui.drivers.contract import Argument, Job, Offer, Verb
 from woz_tui.gate.questions import RequestOrigin
@@ -72,7 +80,7 @@ def play_steps(tmp_path: Path, *steps: str) -> SessionRig:
     made = experiment(tmp_path)
     spec = replace(made.drivers[0], offer=SlowGazeDriver.offer(None))
     made = replace(made, drivers=(spec,), panels=(Panel("P", ACTIONS, made.panels[0].place),))
-    made = replace(made, script=())
+    made = with_script(made)
     return SessionRig(tmp_path, catalogue={"puppet": SlowGazeDriver}, made=made).run(scenario, 10)
 
 

@@ -1,4 +1,4 @@
-"""Rules across the parts of an experiment: names, keys, the script, what drivers will ask for.
+"""Rules across the parts of an experiment: names, keys, what drivers will ask for.
 
 Keys are compared in their normal form, across panels. Two actions whose keys are different but
 look alike on a plain terminal (ctrl+i and tab) are no error here: the key map of that terminal
@@ -48,8 +48,6 @@ def check_across(
     check_different(named, "an action", ("name", "label"))
     _keys(drafts, experiment.keyboard)
     actions = {draft.action.name: draft.action for draft in drafts}
-    if experiment.script:
-        check_actions(table["script"], actions)
     for draft in drafts:
         check_actions(draft.entries.get("then"), actions)
     _parts(experiment, report)

@@ -136,7 +136,7 @@ Step = ParallelCalls | Wait
 class Action:
     """What one key does: steps, one after the other.
 
-    `name` is unique in the experiment and is what scripts and programs call it by.
+    `name` is unique in the experiment and is what the file and programs call it by.
     `when_busy`: queue, replace or refuse; empty: queue, but its own key counts once while it runs
     or waits. `locked`: shown but never played. `then`: actions that are likely to follow it.
     """
@@ -262,7 +262,6 @@ class Experiment:
     sha256: str
     drivers: tuple[DriverSpec, ...]
     panels: tuple[Panel, ...]
-    script: tuple[str, ...] = ()
     #: The robot that plays it instead of the one that the file names; empty: none.
     robot: str = ""
     #: Regular expression that participant codes match as a whole.

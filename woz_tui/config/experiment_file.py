@@ -153,7 +153,6 @@ class ExperimentKeys(Study, Entry):
         NotEmpty(),
         Doc("groups of actions, in the order of the screen"),
     ]
-    script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()
 
 
 def _with_features() -> type[ExperimentKeys]:

@@ -140,9 +140,9 @@ class FeatureSection(Generic[S]):
         """Panels that are locked while this holds of the feature."""
         return ()
 
-    def scripts(self, section: S) -> Mapping[str, Sequence[str]]:
-        """Scripts that Space plays in place of the file's, by the phase in which it does so."""
-        return {}
+    def fitted(self, section: S, actions: Collection[str]) -> S:
+        """The same without actions that the robot of a demo cannot play; these `actions` it can."""
+        return section
 
     def summary(self, section: S) -> Iterable[tuple[str, str]]:
         """What `woz check` says of it: subjects and sentences."""
@@ -152,8 +152,8 @@ class FeatureSection(Generic[S]):
         """What `woz check --format json` says of it, beside what it says of the study."""
         return {}
 
-    def beginning(self, script: Sequence[str]) -> str:
-        """What `woz new` writes of it into the file of a study, whose script has these labels."""
+    def beginning(self, lines: Sequence[str]) -> str:
+        """What `woz new` writes of it into the file of a study, whose course has these labels."""
         return ""
 
     def of(self, experiment: Experiment) -> S:

@@ -210,7 +210,6 @@ class _ExperimentDecoder:
             drivers=tuple(playing.drivers),
             panels=read,
             robot=playing.origin,
-            script=file.script,
             participant_pattern=_pattern(file.participants.pattern, table.get("participants")),
             conditions=conditions,
             variables=variables.always,

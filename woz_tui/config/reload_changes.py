@@ -90,17 +90,11 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
         yield f"engagement is {'new' if old.engagement is None else 'removed'}"
     for what, named in _COLLECTIONS.items():
         yield from changed_entries(what, named(old), named(new))
-    for name, section in pieces("section", FeatureSection).items():
-        yield from answers_of(name, section.changes, section.of(old), section.of(new))
     yield from _study(old.study, new.study)
     yield from _panels(old, new)
     yield from _actions(old, new)
-    if old.script != new.script:
-        yield (
-            f"script has {len(new.script)} lines, it had {len(old.script)}"
-            if len(new.script) != len(old.script)
-            else "script changed"
-        )
+    for name, section in pieces("section", FeatureSection).items():
+        yield from answers_of(name, section.changes, section.of(old), section.of(new))
 
 
 def _conditions(old: Experiment, new: Experiment) -> Iterable[str]:

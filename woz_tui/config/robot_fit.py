@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
+from typing import Any
 
 from woz_tui.config.engagement_section import signs_given
 from woz_tui.config.experiment import (
@@ -17,8 +18,10 @@ from woz_tui.config.experiment import (
     ParallelCalls,
     Step,
 )
+from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.performers import performers
 from woz_tui.config.sensor_names import ENGAGEMENT, POSE, published_names
+from woz_tui.feature import answer_of, pieces
 
 
 def fitted(experiment: Experiment) -> Experiment:
@@ -48,11 +51,20 @@ def fitted(experiment: Experiment) -> Experiment:
     return replace(
         experiment,
         panels=tuple(panels),
-        script=tuple(name for name in experiment.script if name in names),
+        sections=_sections(experiment, names),
         sensors=tuple(name for name in experiment.sensors if name in known),
         engagement=engagement,
         warnings=(),
     )
+
+
+def _sections(experiment: Experiment, names: Collection[str]) -> dict[object, Any]:
+    """Those of features, without actions that are left out."""
+    fitted: dict[object, Any] = {}
+    for name, section in pieces("section", FeatureSection).items():
+        said = section.of(experiment)
+        fitted[section] = answer_of(name, said, section.fitted, said, names)
+    return fitted
 
 
 def _does_something(action: Action) -> bool:

@@ -31,7 +31,7 @@ from woz_tui.console.screens.dialog import ConsoleCommand, Dialog
 from woz_tui.console.state.event_sentences import EventLine
 from woz_tui.console.state.feature_notes import StudyNews
 from woz_tui.console.state.remedy_text import remedy_text
-from woz_tui.console.widgets.bottom_rows import BarInfo, News
+from woz_tui.console.widgets.bottom_rows import BarInfo, News, order_keys
 from woz_tui.console.widgets.event_list import act_text
 from woz_tui.console.widgets.feature_console import FeatureConsole, NextStep
 from woz_tui.console.widgets.main_screen import MainScreen
@@ -374,10 +374,9 @@ class Console(ScreenApp):
         bar = BarInfo(
             self._news,
             self._hints(),
-            self._key("script_next"),
+            tuple(map(self._key, order_keys())),
             self._key("release") if self.state.role != "watcher" else "",
             self._stop_asked,
-            skip=self._key("script_on"),
             take_over=self._key("take_over"),
             then=tuple(map(self._cap_and_label, self.state.then)),
             stop=self._key("stop"),
@@ -403,7 +402,7 @@ class Console(ScreenApp):
         return PaintFrame(widget.size.width, widget.size.height, now, self.look.glyphs)
 
     def _begins(self) -> tuple[str, str]:
-        """The key of what is to begin before there is a script, and what; without a key, why
+        """The key of what is to begin before anything comes next, and what; without a key, why
         nothing is.
         """
         study = self.state.session.study

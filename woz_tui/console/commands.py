@@ -35,7 +35,6 @@ from woz_tui.protocol.requests import (
     AskEmptyQueue,
     AskMarker,
     AskMistake,
-    AskScript,
     AskTakeOver,
     AskVerb,
 )
@@ -50,11 +49,11 @@ def opens(dialog: str) -> Run:
 
 def calls(function: str) -> Run:
     """Call the function `module:name` of this package with the app."""
+    return partial(_call, f"{__package__}.{function}")
 
-    def run(app: ConsoleApp) -> None:
-        resolve_name(f"{__package__}.{function}")(app)
 
-    return run
+def _call(function: str, app: ConsoleApp) -> None:
+    resolve_name(function)(app)
 
 
 def by_key(commands: Iterable[ConsoleCommand]) -> dict[str, ConsoleCommand]:
@@ -86,10 +85,6 @@ def _between_trials(state: ConsoleState) -> bool:
     return state.session.study.between_trials
 
 
-def _has_script(state: ConsoleState) -> bool:
-    return bool(state.script) or not state.welcomed
-
-
 def _arrow(name: str, verb: str, argument: str, way: int, step: str) -> ConsoleCommand:
     """An arrow key. Left, down and forward are positive."""
 
@@ -105,19 +100,6 @@ def _arrow(name: str, verb: str, argument: str, way: int, step: str) -> ConsoleC
         )
 
     return _row(name, sends=ask, verb=verb, found=False)
-
-
-def _move_script(by: int) -> Callable[[KeyPress], AskScript]:
-    """So many lines on without playing, from where the script stands when this arrives."""
-
-    def ask(press: KeyPress) -> AskScript:
-        return AskScript(play=False, by=by, **press.fields)
-
-    return ask
-
-
-def _play_script(press: KeyPress) -> AskScript:
-    return AskScript(**press.fields)
 
 
 def _cut(app: ConsoleApp) -> None:
@@ -162,16 +144,6 @@ _COMMANDS = (
         users=WATCHER,
     ),
     _row("release", calls("screens.release:open_release"), found=False),
-    _row(
-        "script_next",
-        sends=_play_script,
-        once=True,
-        found=False,
-        hint=KeyHint(2, "script", _has_script),
-    ),
-    _row("script_back", sends=_move_script(-1)),
-    _row("script_on", sends=_move_script(1)),
-    _row("script_edit", calls("screens.say:open_edit")),
     _row("say", opens("screens.say:SayDialog"), hint=KeyHint(3, "say")),
     _row(
         "find find_too",
@@ -310,18 +282,18 @@ def _of_feature(command: FeatureCommand) -> ConsoleCommand:
             app.requests.ask(AskAction(action=action, source="key", key=key))
         open_named(app, command.opens)
 
-    users = WATCHER if command.watchers else WIZARD
+    more: dict[str, Any] = {
+        "hint": command.hint,
+        "found": command.found,
+        "also": command.also,
+        "users": WATCHER if command.watchers else WIZARD,
+    }
+    if command.calls:
+        return _row(command.key, partial(_call, command.calls), **more)
     if not command.opens:
-        return _row(
-            command.key,
-            sends=command.sends or ask,
-            once=True,
-            hint=command.hint,
-            also=command.also,
-            users=users,
-        )
+        return _row(command.key, sends=command.sends or ask, once=command.once, **more)
     # What the screen carries out passes the keyboard twice, so it cannot count once there.
-    return _row(command.key, run, hint=command.hint, also=command.also, users=users)
+    return _row(command.key, run, **more)
 
 
 def _with_features() -> Iterator[ConsoleCommand]:

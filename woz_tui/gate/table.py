@@ -64,7 +64,7 @@ FOR_ROLES: dict[type, tuple[tuple[str, ...], str, str]] = {
 #: What may be asked while the session ends, as far as this row goes: it has rows of its own, or
 #: moves nothing. Whatever is not named here is refused then.
 WHILE_ENDING = (
-    *(r.AskAction, r.AskVerb, r.AskScript, r.AskRelease, r.AskReload, r.AskPredict),
+    *(r.AskAction, r.AskVerb, r.AskRelease, r.AskReload, r.AskPredict),
     *(r.AskDescribe, r.AskPreflight, r.AskProposal, r.AskKeepTyped, r.AskPicture, r.AskSound),
     *(r.AskTalk, r.AskLetGo, r.AskControls, r.AskCancel, r.AskEmptyQueue, r.AskSet, r.AskMarker),
     *(r.AskNote, r.AskMistake, r.AskLock, r.AskUnrecorded, r.AskEnd),
@@ -75,6 +75,8 @@ UNDONE: dict[type, str] = {
     r.AskUnrecorded: "Not going on without a record",
     r.AskEnd: "Session not ended",
 }
+#: The same in words, or made of the request.
+Undone = str | Callable[[Any], str]
 #: Requests that may wait for their moment, and how far it may be away, in microseconds.
 MOST_SCHEDULED, FURTHEST_US = 256, 86_400_000_000
 #: Sources of what lies on a control that says itself when it is let go.
@@ -111,9 +113,10 @@ def _while_ending() -> tuple[type[r.Request], ...]:
 
 
 @cache
-def _undone() -> dict[type, str]:
+def _undone() -> dict[type, Undone]:
     gates = pieces("gate", FeatureGate).values()
-    return UNDONE | {kind: what for gate in gates for kind, what in gate.undone.items()}
+    of_features = {kind: what for gate in gates for kind, what in gate.undone.items()}
+    return {**UNDONE, **of_features}
 
 
 # -- role --------------------------------------------------------------------------------------
@@ -215,9 +218,8 @@ def not_done(request: r.Request) -> str:
             return f"Panel {panel!r} not unlocked"
         case r.AskMistake(run=""):
             return "Last action not marked as a mistake"
-        case r.AskScript(to=to, by=by) if to is not None or by:
-            return "Script not moved"
-    return _undone().get(type(request), "")
+    undone = _undone().get(type(request), "")
+    return undone(request) if callable(undone) else undone
 
 
 def too_old_release(facts: Facts, asked: ReleaseStop) -> Refusal:
@@ -492,13 +494,14 @@ class FeatureRow:
 class FeatureGate:
     """What a feature forbids, and what becomes of its requests.
 
-    `while_ending`, `undone`: as `WHILE_ENDING` and `UNDONE`. `watcher_may`, `participant_may`: what
-    else somebody may ask who only watches, or answers.
+    `while_ending`, `undone`: as `WHILE_ENDING` and `UNDONE`; what is not done may depend on the
+    request, empty: it is done. `watcher_may`, `participant_may`: what else somebody may ask who
+    only watches, or answers.
     """
 
     rows: tuple[FeatureRow, ...] = ()
     while_ending: tuple[type[r.Request], ...] = ()
-    undone: Mapping[type, str] = field(default_factory=dict)
+    undone: Mapping[type, Undone] = field(default_factory=dict)
     watcher_may: tuple[type[r.Request], ...] = ()
     participant_may: tuple[type[r.Request], ...] = ()
 

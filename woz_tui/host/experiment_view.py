@@ -130,7 +130,6 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
     return m.SessionPlan(
         title=experiment.title,
         panels=panel_views(experiment, shown.locked, shown.facts),
-        script=list(experiment.script),
         verbs={spec.name: [verb.name for verb in spec.offer.verbs] for spec in experiment.drivers},
         variables=sorted(shown.values),
         conditions=list(experiment.conditions),
@@ -153,12 +152,21 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
             engagement=engagement_limits(experiment),
             sensors=[*experiment.sensors],
             study=shown.study or study_settings(experiment),
-            **_of_features(shown),
+            **_settings_of_features(shown),
         ),
+        **_fields_of_features(experiment),
     )
 
 
-def _of_features(shown: ExperimentView) -> dict[str, Any]:
+def _fields_of_features(experiment: Experiment) -> dict[str, Any]:
+    nothing: Mapping[str, Any] = {}
+    fields: dict[str, Any] = {}
+    for name, view in pieces("view", FeatureView).items():
+        fields |= answer_of(name, nothing, view.plan, experiment)
+    return fields
+
+
+def _settings_of_features(shown: ExperimentView) -> dict[str, Any]:
     settings: dict[str, Any] = {}
     for name, view in pieces("view", FeatureView).items():
         nothing: Mapping[str, Any] = {}

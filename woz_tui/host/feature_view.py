@@ -18,6 +18,10 @@ class FeatureView:
         """Fields of `welcome.WelcomeSettings` that it fills."""
         return {}
 
+    def plan(self, experiment: Experiment) -> Mapping[str, Any]:
+        """Fields of `SessionPlan` that it fills, beside its settings."""
+        return {}
+
     def panel(self, panel: Panel, view: PanelView, fact: Any) -> PanelView | None:
         """How a panel is shown; None: not at all."""
         return view

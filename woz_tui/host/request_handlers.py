@@ -60,7 +60,6 @@ from woz_tui.protocol.requests import (
     AskQuestionnaire,
     AskRelease,
     AskReload,
-    AskScript,
     AskSet,
     AskSound,
     AskTalk,
@@ -172,7 +171,7 @@ class RequestHandlers:
                 run = self._carry_out(client, _by_a_client(client, request))
         except RequestError as error:
             reply = _refused(client, request, error)
-            if isinstance(request, AskAction | AskVerb | AskScript):
+            if request.plays:
                 runs = [
                     run for run, end in ends.items() if isinstance(end, ActionRefused | Refused)
                 ]
@@ -206,8 +205,6 @@ class RequestHandlers:
                 run = send() if stale else self.switch.play(client, request, send)
             case AskLetGo(key=key):
                 self.switch.let_go(client, key)
-            case AskScript():
-                run = self._script(client, request, stale)
             case AskRelease(source=source, missing=missing):
                 session.release(source, stale, missing)
             case AskControls():
@@ -243,7 +240,7 @@ class RequestHandlers:
             case AskCheck(check=check, ok=ok, text=text):
                 study.check(check, ok, text, client.role)
             case _:
-                asks = Client(client.name, client.role, self._by(client), tells)
+                asks = Client(client.name, client.role, self._by(client), tells, stale)
                 run = session.features.carry_out(request, asks)
         return run
 
@@ -256,19 +253,6 @@ class RequestHandlers:
         design = self._session.experiment.study.design
         blinds = design is not None and bool(design.blind)
         return ("condition",) if blinds and client.view is None else ()
-
-    def _script(self, client: ClientConnection, request: AskScript, stale: str) -> str:
-        if request.to is not None or request.by:
-            self._session.move_script(request.to, request.by)
-        if not request.play:
-            return ""
-        source = "script" if client.role == "wizard" else "program"
-        return self._session.script_next(
-            RequestOrigin(source, request.key, client.name),
-            stale,
-            request.text.strip(),
-            self._tells(client),
-        )
 
     def _verb(self, client: ClientConnection, request: AskVerb, stale: str) -> str:
         """Send it with its variables filled in, as in the experiment file."""

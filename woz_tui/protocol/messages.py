@@ -602,21 +602,6 @@ class Mistake(RestrictedMessage, frozen=True, kw_only=True, tag="mistake"):
     console: str = ""
 
 
-class ScriptMoved(Message, frozen=True, kw_only=True, tag="script.moved"):
-    """The script's next line: `position` counts from 0; equal to the length at the end.
-
-    `phase`: whose script; empty: that of the file. `played`: lines that were played, also those
-    that are being played; older logs do not say it, there it is all before `position`. `halted`:
-    the script stands still at this line, because it ended so (failed, refused, stopped, superseded;
-    mistake: it was marked as one before its end).
-    """
-
-    position: int
-    phase: str = msgspec.field(default_factory=str)
-    played: list[int] | None = None
-    halted: str = msgspec.field(default_factory=str)
-
-
 class PanelLocked(Message, frozen=True, kw_only=True, tag="panel.locked"):
     """A panel was locked or unlocked while running; `source` is phase where that did it."""
 
@@ -756,7 +741,6 @@ MESSAGES: tuple[type[Message], ...] = (
     Marker,
     Note,
     Mistake,
-    ScriptMoved,
     PanelLocked,
     ExperimentReloaded,
     ConsoleAttached,

@@ -42,6 +42,8 @@ class Request(
     sourced: ClassVar[bool] = False
     #: Whether it is an `AgedRequest`.
     aged: ClassVar[bool] = False
+    #: Whether it plays something, so that the reply to a refusal names what is in the log.
+    plays: ClassVar[bool] = False
     ref: int = 0
     sent_us: int = 0
 
@@ -95,6 +97,7 @@ class AskAction(Request, frozen=True, kw_only=True, tag="action"):
 
     sourced = True
     aged = True
+    plays = True
     action: str
     source: str = "program"
     key: str = ""
@@ -114,6 +117,7 @@ class AskVerb(Request, frozen=True, kw_only=True, tag="verb"):
 
     sourced = True
     aged = True
+    plays = True
     verb: str
     args: dict[str, Json] = {}
     on: str = ""
@@ -169,24 +173,6 @@ class AskRelease(Request, frozen=True, kw_only=True, tag="release"):
     sourced = True
     source: str = "program"
     missing: list[str] = []
-
-
-class AskScript(Request, frozen=True, kw_only=True, tag="script"):
-    """Play the script's next line (`play`), or move its position without playing: to `to`, or by
-    so many lines from where it stands then (`by`; below 0: back). `text` is said in place of the
-    line's first sentence, this once.
-
-    `key`, `age_us` and `stale` as for an action.
-    """
-
-    aged = True
-    play: bool = True
-    to: int | None = None
-    by: int = 0
-    text: str = ""
-    key: str = ""
-    age_us: int = 0
-    stale: bool = False
 
 
 class AskCancel(Request, frozen=True, kw_only=True, tag="cancel"):
@@ -412,7 +398,6 @@ REQUESTS: tuple[type[Request], ...] = (
     AskLetGo,
     AskStop,
     AskRelease,
-    AskScript,
     AskCancel,
     AskEmptyQueue,
     AskTakeOver,
@@ -498,7 +483,7 @@ class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):
     title: str
     log: str
     panels: list[PanelView]
-    script: list[str]
+    script: list[str] = msgspec.field(default_factory=lambda: [])
     verbs: dict[str, list[str]]
     variables: list[str]
     conditions: list[str]
@@ -551,7 +536,7 @@ class PanelsChanged(Answer, frozen=True, kw_only=True, tag="panels"):
 
     title: str
     panels: list[PanelView]
-    script: list[str]
+    script: list[str] = msgspec.field(default_factory=lambda: [])
     verbs: dict[str, list[str]]
     conditions: list[str]
     keyboard: str

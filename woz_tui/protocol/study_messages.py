@@ -37,7 +37,7 @@ class SessionPlan(Message, frozen=True, kw_only=True, tag="session.plan"):
 
     title: str
     panels: list[PanelView]
-    script: list[str]
+    script: list[str] = msgspec.field(default_factory=lambda: [])
     verbs: dict[str, list[str]]
     variables: list[str]
     conditions: list[str]

@@ -45,7 +45,6 @@ _OF_MODEL = m.EngagementAdopted | m.EngagementChanged | m.SessionPlan | m.Done
 _NO_PLAN = m.SessionPlan(
     title="",
     panels=[],
-    script=[],
     verbs={},
     variables=[],
     conditions=[],

@@ -171,7 +171,6 @@ def _bare(plan: m.SessionPlan) -> m.SessionPlan:
         seq=plan.seq,
         title=plan.title,
         panels=[],
-        script=[],
         verbs={},
         variables=[],
         conditions=[],

@@ -565,7 +565,6 @@ class ParticipantRedactor(Redactor):
         return r.PanelsChanged(
             title=changed.title,
             panels=[],
-            script=[],
             verbs={},
             conditions=[],
             keyboard=changed.keyboard,

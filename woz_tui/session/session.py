@@ -26,7 +26,7 @@ from woz_tui.drivers.contract import Ask, Driver, HandInput, Performer, Rejected
 from woz_tui.drivers.feeds import Feeds
 from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import PlayAction, ReleaseStop, RequestOrigin, SendOwnVerb, SendVerb
-from woz_tui.gate.table import another_plays_action, why_not
+from woz_tui.gate.table import why_not
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
@@ -44,7 +44,6 @@ from woz_tui.session.engagement_robot import EngagementRobot
 from woz_tui.session.participant_identity import SessionIdentity, check_not_withdrawn
 from woz_tui.session.prediction import Forecaster, Kept, predicted
 from woz_tui.session.recent_messages import RecentMessages, unlisted
-from woz_tui.session.script_control import ScriptController
 from woz_tui.session.session_driver import VERBS, SessionPerformer
 from woz_tui.session.session_features import SessionFeatures
 from woz_tui.session.session_start import publish_reload, publish_start
@@ -103,15 +102,10 @@ class Session:
         self.standstill = Standstill(self.clock)
         self.hub = Hub(self.clock, self.recorder.record)
         self.state, self.recent = SessionState(), RecentMessages()
+        #: Who follows what goes on in the session, by kind of episode.
+        self._following: dict[type[e.Episode], list[Callable[[Any], object]]] = {}
         self.hub.listen(self._on_message)  # before all others: they find the state as of now
         self.hub.listen(self.recent.add, but=unlisted())
-        self.scripts = ScriptController(
-            self.hub.publish,
-            self.experiment,
-            study=self.state.study,
-            waits=self._has_not_begun,
-            withdraw=self._cancel_waiting_line,
-        )
         publish_start(self.hub, self.identity, self.experiment, self.clock, self.recorder.spill)
         robot = EngagementRobot(
             self.hub,
@@ -287,7 +281,7 @@ class Session:
                 raise RequestError.of(refusal)
             panel = action.panel if action else ""
             self.runner.refuse(name, panel, origin, refusal.reason)
-            self.scripts.publish()
+            self.features.after_play()
             if refusal.code == "stale":
                 raise RequestError(f"{name!r} not played ({stale})", refusal.remedy)
             raise RequestError.of(refusal)
@@ -300,7 +294,7 @@ class Session:
         run, refused = self.runner.play(
             action, origin, when_busy, at=at, again=again, edited=bool(text)
         )
-        self.scripts.publish()
+        self.features.after_play()
         if refused is not None:
             raise refused
         return run
@@ -482,51 +476,17 @@ class Session:
         reason = f"no driver{f' {on!r}' if on else ''} offers {verb!r}"
         return Refusal("unknown", reason, f"there are {', '.join(verbs)}")
 
-    def script_next(
-        self, origin: RequestOrigin, stale: str = "", text: str = "", tells: tuple[str, ...] = ()
-    ) -> str:
-        """Play the script's next line and move on; its run id. `stale`, `text` and `tells` as for
-        `play`.
-        """
-        run = self.play(self.scripts.next_line(), origin, stale=stale, text=text, tells=tells)
-        self.scripts.by_script.add(run)
-        return run
-
-    def move_script(self, to: int | None = None, by: int = 0) -> None:
-        """Move the script's position, to a line (0: the first) or by so many."""
-        self.scripts.move(to, by)
-
     def _on_message(self, message: m.Message) -> None:
-        """A message of this session: scripts follow the actions."""
+        """A message of this session: the state first, then who follows what goes on in it."""
         for episode in self.state.apply(message):
-            if self.ended:
-                continue  # what the end cuts is not to be played again
-            if isinstance(episode, e.ActionEpisode) and not self._is_of_another(episode):
-                self.scripts.apply(episode)
-            elif isinstance(episode, e.CommandEpisode):
-                self.scripts.spoke(episode)
-        if isinstance(message, m.Mistake):
-            self.scripts.mistaken(message.run)
-        if isinstance(message, m.TrialStarted):
-            self.scripts.begin_anew()
+            for call in self._following.get(type(episode), ()):
+                call(episode)
 
-    def _is_of_another(self, action: e.ActionEpisode) -> bool:
-        """Whether a wizard has just pressed what another one plays: the script hears nothing."""
-        request = action.request
-        if action.end is not None:
-            return False
-        origin = RequestOrigin(request.source, "", request.console)
-        asked = PlayAction(action.label, self.experiment.action(action.label), origin)
-        return another_plays_action(self.facts(), asked) is not None
-
-    def _has_not_begun(self, run: str) -> bool:
-        """Whether a run was asked for now, and nothing of it has begun."""
-        action, late = self.state.actions.get(run), run in self.runner.scheduled
-        return action is not None and action.dispatched is None and not late
-
-    def _cancel_waiting_line(self, run: str) -> None:
-        """Cut a line short that waits behind one that was not played."""
-        self._loop.call_soon(self.runner.cancel, run, "the previous line was not played")
+    def follow(self, kind: type[e.Episode], call: Callable[[Any], object]) -> None:
+        """Call it with each episode of the kind that begins or has ended, before anybody else hears
+        of it.
+        """
+        self._following.setdefault(kind, []).append(call)
 
     def cancel(self, run: str, by: str = WIZARD) -> None:
         """Cut one run short. `by`: who wants it."""
@@ -599,8 +559,6 @@ class Session:
                 self.play(ask.name, origin, stale=self._old(ask))
             case "key":
                 self.play(self._action_on(ask.name), origin, stale=self._old(ask))
-            case "script":
-                self.script_next(origin, self._old(ask))
             case "stop":
                 self.stop(origin.source, self.clock.boot_us() - max(0, ask.age_us))
             case "release":
@@ -612,7 +570,7 @@ class Session:
             case "halt":
                 self.bus.halt_driving(ask.name)
             case _:
-                raise RequestError(f"a driver cannot ask for {ask.what!r}")
+                self.features.carry_out_ask(ask, origin, self._old(ask))
 
     def _send_for(self, driver: str, ask: Ask, done: OnCompletion) -> None:
         named = self._driver_offering(ask.name, self._driver_of_same_robot(driver, ask.on))
@@ -722,13 +680,12 @@ class Session:
     ) -> None:
         """Set participant, condition or trial; each is checked first, then all are set.
 
-        For another participant or trial scripts, and what features have, begin anew.
+        For another participant or trial what features have begins anew.
         """
         before = self.identity.participant, self.identity.trial
         self._set(participant, condition, trial)
         if (self.identity.participant, self.identity.trial) == before:
             return
-        self.scripts.begin_anew()
         self.features.begin_anew(participant=self.identity.participant != before[0])
 
     def _set(self, participant: str | None, condition: str | None, trial: int | None) -> None:
@@ -743,7 +700,7 @@ class Session:
 
     def _set_verb(self, args: Mapping[str, m.Json]) -> None:
         checked: Mapping[str, Any] = args  # by the bus
-        # A step of an action, perhaps a line of the script, which goes on behind it.
+        # A step of an action, perhaps one of a feature's, which goes on behind it.
         self._set(*(checked.get(name) for name in ("participant", "condition", "trial")))
 
     def lock(self, panel: str, locked: bool) -> None:
@@ -787,5 +744,4 @@ class Session:
             if before.get(panel.title) is not panel.locked:
                 self.lock(panel.title, panel.locked)
         self.features.adopt(experiment)
-        self.scripts.adopt(experiment)
         self._prepare()

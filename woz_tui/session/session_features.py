@@ -14,8 +14,9 @@ from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.experiment import Action, Call, Experiment
 from woz_tui.config.performers import performers_of_features
-from woz_tui.drivers.contract import Driver, Forecast, Performer, Verb
+from woz_tui.drivers.contract import Ask, Driver, Forecast, Performer, Verb
 from woz_tui.feature import features, left_out, pieces
+from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.gate.table import FeatureGate
 from woz_tui.protocol import messages as m
@@ -25,7 +26,7 @@ from woz_tui.protocol.requests import Request
 from woz_tui.session.action_runner import ActionRunner
 from woz_tui.session.action_texts import ActionTexts, ComposedCall
 from woz_tui.session.participant_identity import SessionIdentity
-from woz_tui.session.script_control import ScriptController
+from woz_tui.timeline.episodes import Episode
 from woz_tui.timeline.session_state import SessionState
 
 log = logging.getLogger(__name__)
@@ -36,13 +37,15 @@ T = TypeVar("T")
 @dataclass(frozen=True, slots=True)
 class Client:
     """Who asks for something: the connection, its role, who that is in words, and what words from
-    there may tell (see `messages.RestrictedMessage`).
+    there may tell (see `messages.RestrictedMessage`). `stale`: why what is asked is too old to let
+    anything move; empty: it is not.
     """
 
     console: str
     role: str
     by: str
     tells: tuple[str, ...] = ()
+    stale: str = ""
 
 
 class FeatureSession(Protocol):
@@ -63,13 +66,32 @@ class FeatureSession(Protocol):
     locked: dict[str, bool]
     #: Shows consoles the panels as they are now.
     on_panels: Callable[[], None]
-    scripts: ScriptController
+
+    def facts(self) -> Facts:
+        """What holds now, for the gate."""
 
     def why_no_verb(self, call: Call, origin: RequestOrigin) -> Refusal | None:
         """Why this hand may not send it at the moment; None: it may."""
 
-    def play(self, name: str, origin: RequestOrigin) -> str:
-        """Play the action `name`; its run id. Raises `RequestError`; the refusal is in the log."""
+    def play(
+        self,
+        name: str,
+        origin: RequestOrigin,
+        *,
+        stale: str = "",
+        text: str = "",
+        tells: tuple[str, ...] = (),
+    ) -> str:
+        """Play the action `name`; its run id. Raises `RequestError`; the refusal is in the log.
+
+        `stale`: why the press is too old to be played. `text` is said in place of its first
+        sentence, and tells `tells`.
+        """
+
+    def follow(self, kind: type[Episode], call: Callable[[Any], object]) -> None:
+        """Call it with each episode of the kind that begins or has ended, before anybody else hears
+        of it.
+        """
 
     def set_lock(self, panel: str, locked: bool, source: str) -> None:
         """Lock or unlock a panel; `source`: what does, where no hand does."""
@@ -84,8 +106,13 @@ class SessionFeature:
 
     #: What `carry_out` is given.
     requests: ClassVar[tuple[type[Request], ...]] = ()
+    #: What `carry_out_ask` is given, by `Ask.what`.
+    asks: ClassVar[tuple[str, ...]] = ()
     #: What is called with each kind of message, as a method. The session's state has heard it.
     hears: ClassVar[Mapping[type[m.Message], Callable[[Any, Any], object]]] = {}
+    #: The same with each kind of episode, as it begins and when it has ended, before anybody hears
+    #: the message.
+    follows: ClassVar[Mapping[type[Episode], Callable[[Any, Any], object]]] = {}
 
     def __init__(self, session: FeatureSession) -> None:
         self.session = session
@@ -114,6 +141,13 @@ class SessionFeature:
     def carry_out(self, request: Any, client: Client) -> str:
         """Do what is asked; the id of the run or command that it has begun, if any."""
         raise RequestError(f"{type(request).__name__} cannot be used here")
+
+    def carry_out_ask(self, ask: Ask, origin: RequestOrigin, stale: str) -> None:
+        """Do what a driver asks for. `stale`: why it is too old; empty: it is not."""
+        raise RequestError(f"a driver cannot ask for {ask.what!r}")
+
+    def after_play(self) -> None:
+        """An action was played or refused, and what happened with that at once is in the log."""
 
     def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str | None:
         """Play an action of its own that has no steps; the run's id, or None: it is not its own.
@@ -180,7 +214,10 @@ F = TypeVar("F", bound=SessionFeature)
 #: The answer of a feature that has failed.
 _FAILED = "\0"
 #: Where features are asked or told something; those that have nothing to do there are passed by.
-_HOOKS = ("begin", "close", "play", "adopt", "hold", "drop", "begin_anew", "front", "fact")
+_HOOKS = (
+    *("begin", "close", "play", "after_play", "adopt", "hold", "drop", "begin_anew", "front"),
+    "fact",
+)
 
 
 class SessionFeatures:
@@ -191,6 +228,7 @@ class SessionFeatures:
         self._all: dict[str, SessionFeature] = {}
         self._names: dict[type[SessionFeature], str] = {}
         self._answering: dict[type[Request], str] = {}
+        self._asked: dict[str, str] = {}
         #: Those that have something to do at each of the hooks, in their order.
         self._with: dict[str, dict[str, SessionFeature]] = {hook: {} for hook in _HOOKS}
         #: What features that have failed said last of the moment: they go on forbidding it.
@@ -205,11 +243,14 @@ class SessionFeatures:
     def _add(self, name: str, kind: type[SessionFeature]) -> None:
         feature = self._all[name] = kind(self._session)
         self._answering |= dict.fromkeys(kind.requests, name)
+        self._asked |= dict.fromkeys(kind.asks, name)
         for hook, having in self._with.items():
             if getattr(kind, hook) is not getattr(SessionFeature, hook):
                 having[name] = feature
         for heard, call in kind.hears.items():
             self._session.hub.listen(partial(self._hear, name, feature, call), heard)
+        for followed, call in kind.follows.items():
+            self._session.follow(followed, partial(self._hear, name, feature, call))
 
     @property
     def performing(self) -> dict[str, PerformingFeature]:
@@ -238,10 +279,10 @@ class SessionFeatures:
         name: str,
         feature: SessionFeature,
         call: Callable[[Any, Any], object],
-        message: m.Message,
+        heard: m.Message | Episode,
     ) -> None:
         if name in self._all:
-            self._safely(name, call, None, feature, message)
+            self._safely(name, call, None, feature, heard)
 
     def of(self, kind: type[F]) -> F:
         """The feature of this kind; `KeyError` if there is none, or if it has failed."""
@@ -281,6 +322,19 @@ class SessionFeatures:
         if run is _FAILED:
             raise RequestError(f"{name} failed and is not used any more", IN_HOST_LOG)
         return run or ""
+
+    def carry_out_ask(self, ask: Ask, origin: RequestOrigin, stale: str) -> None:
+        """Do what a driver asks of a feature. Raises `RequestError`."""
+        name = self._asked.get(ask.what)
+        feature = self._all.get(name or "")
+        if name is None or feature is None:
+            raise RequestError(f"a driver cannot ask for {ask.what!r}")
+        self._answer(name, feature.carry_out_ask, None, ask, origin, stale)
+
+    def after_play(self) -> None:
+        """An action was played or refused, and what happened with that at once is in the log."""
+        for name, feature in [*self._with["after_play"].items()]:
+            self._safely(name, feature.after_play, None)
 
     def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str:
         """Have a feature play an action of its own that has no steps; the run's id. Raises

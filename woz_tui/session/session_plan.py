@@ -60,7 +60,11 @@ def study_snapshot(settings: s.StudySettings, study: StudyState) -> s.StudySetti
 
 
 #: What a welcome and a change of the panels take over from a plan.
-_PLAN = ("title", "panels", "script", "verbs", "variables", "conditions", "keyboard")
+_PLAN = tuple(
+    name
+    for name in PanelsChanged.__struct_fields__
+    if name in m.SessionPlan.__struct_fields__ and name in Welcome.__struct_fields__
+)
 
 
 def welcome(plan: m.SessionPlan, *, console: str, role: str, seq: int, t: int, log: str) -> Welcome:

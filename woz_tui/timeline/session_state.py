@@ -103,7 +103,6 @@ class SessionState:
         filled: What each action would do if it were played now.
         speaking: Utterances that go on, by driver and segment.
         restriction: What restricts the wizard's view, if anything does.
-        scripts: Where each script stands, by the phase whose it is (empty: the file's).
         locks: What locked or unlocked panels since they were shown last.
         consoles: Those that are there.
         rerun: The re-run under way.
@@ -135,7 +134,6 @@ class SessionState:
     addressed: dict[str, m.AddressedChanged] = field(default_factory=dict)
     speaking: dict[tuple[str, int], UtteranceEpisode] = field(default_factory=dict)
     filled: m.ActionsFilled | None = None
-    scripts: dict[str, m.ScriptMoved] = field(default_factory=dict)
     locks: dict[str, m.PanelLocked] = field(default_factory=dict)
     perception: m.PerceptionChanged | None = None
     restriction: RestrictionEpisode | None = None
@@ -708,7 +706,6 @@ CASES: dict[type[m.Message], _Case] = {
     m.ControlsMoved: S._controls,
     m.AddressedChanged: _as_moment(_last_of("addressed", "driver")),
     m.SettingsShown: lambda state, message: state.robots.show(message, state.t),
-    m.ScriptMoved: _as_moment(_last_of("scripts", "phase")),
     m.PanelLocked: _as_moment(_last_of("locks", "panel")),
     m.ConsoleAttached: _as_moment(_last_of("consoles", "console")),
     m.ConsoleLost: S._detached,

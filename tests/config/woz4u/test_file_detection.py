@@ -22,6 +22,7 @@ from woz_tui.config.loading import load
 from woz_tui.config.problems import ProblemReport
 from woz_tui.config.woz4u import recognised
 from woz_tui.config.yaml_nodes import MappingNode, parse_yaml
+from woz_tui.features.scripts.section import SCRIPT
 
 
 @pytest.mark.parametrize(
@@ -77,7 +78,7 @@ participants: {pattern: 'V\\d\\d'}
 """
     experiment = read_experiment(tmp_path, text)
     assert experiment.conditions == ("short", "long")
-    assert experiment.script == ("Hello", "Bye")
+    assert SCRIPT.of(experiment) == ("Hello", "Bye")
     assert experiment.participant_pattern == r"V\d\d"
     (problem,) = problems(tmp_path, text.replace("[Hello, Bye]", "[Hello, Buy]"))
     assert problem == "8:17: script[1]: there is no action 'Buy'; did you mean 'Bye'?"

@@ -14,6 +14,7 @@ from woz_tui.console.drawing.glyphs import ASCII
 from woz_tui.console.drawing.theme import Appearance
 from woz_tui.console.replay.commands import COMMANDS
 from woz_tui.console.screens.robot import RobotDialog
+from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 
@@ -83,7 +84,7 @@ async def test_other_keys_play_and_the_opening_key_closes() -> None:
         assert asked.action == "Hello"
         assert pilot.console.keyboard.arrive("w"), "taken in the thread that reads the line"
         assert not pilot.console.keyboard.arrive("space"), "it belongs to the screen"
-        assert pilot.feed.last(r.AskScript) is None
+        assert pilot.feed.last(AskScript) is None
         await pilot.press("@")
         assert pilot.console.dialog is None
 

@@ -16,6 +16,8 @@ from tools import EXPERIMENTS, show_tune
 from tools.demo_session import catalogue
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Ask
+from woz_tui.features.scripts.in_session import ScriptController
+from woz_tui.features.scripts.section import SCRIPT
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
@@ -132,9 +134,9 @@ def test_replacing_a_move_ends_it_and_begins_anew(tmp_path: Path) -> None:
 @pytest.mark.toolkit("U1", "P5")
 def test_the_show_is_played_to_its_end_by_two_robots(tmp_path: Path) -> None:
     async def scenario(rig: BodySession) -> None:
-        script = rig.session.experiment.script
+        script = SCRIPT.of(rig.session.experiment)
         for number in range(len(script)):
-            rig.session.script_next(KEY)
+            rig.session.features.of(ScriptController).play_next(KEY)
             for _ in range(400):
                 await asyncio.sleep(0.1)
                 if len(rig.kinds(m.ActionDone, m.ActionFailed)) > number:
@@ -142,7 +144,7 @@ def test_the_show_is_played_to_its_end_by_two_robots(tmp_path: Path) -> None:
         await asyncio.sleep(1)
 
     rig = on_stage(tmp_path, scenario, "show")
-    script = rig.session.experiment.script
+    script = SCRIPT.of(rig.session.experiment)
     assert rig.kinds(m.ActionEnd) == ["ActionDone"] * len(script)
     ways: dict[str, list[object]] = {"joy.body": [], "grim.body": []}
     for line in rig.lines:

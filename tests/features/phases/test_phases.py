@@ -155,24 +155,16 @@ def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
 
 def test_with_a_design_no_phase_begins_outside_a_trial(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        session, between = rig.session, ("phases begin with a trial", "trial")
-
-        def refused_by_space() -> tuple[str, str]:
-            with pytest.raises(RequestError) as caught:
-                session.script_next(KEY)
-            return caught.value.reason, caught.value.command
-
-        session.adopt(replace(session.experiment, script=()), ["script"])
+        session, between = rig.session, "phases begin with a trial"
         session.study.assign("P01", ["warm", "cold"])
-        assert (refusal_reason(session), refused_by_space()) == (between[0], between)
+        assert refusal_reason(session) == between
         session.study.trial("begin", "")
         phases_of(session).go_on("", KEY)
         session.study.trial("done", "")
-        assert refusal_reason(session, "opening") == between[0]
+        assert refusal_reason(session, "opening") == between
         assert next_phase(session.state, PARTS) is None  # the screen offers none
 
-    scripted = replace(PARTS[0], script=("Hello",))
-    on_stage(tmp_path, scenario, Study(design=Design()), (scripted, *PARTS[1:]))
+    on_stage(tmp_path, scenario, Study(design=Design()))
 
 
 def test_another_participant_begins_with_the_first_phase(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS, by_key
 from woz_tui.console.input.keyboard import HELD_US, Keyboard
 from woz_tui.features.phases.kinds import AskPhase, PhaseChanged
+from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.system.clock import ManualClock
@@ -111,24 +112,6 @@ async def test_panels_of_other_phases_fold_away(size: tuple[int, int]) -> None:
 
 
 @SIZES
-async def test_space_plays_the_script_of_the_phase(size: tuple[int, int]) -> None:
-    async with piloted_console(guide(), size=size) as pilot:
-        await at(pilot, begins("opening"))
-        await at(pilot, m.ScriptMoved(position=1, phase="opening", played=[0]), 5001)
-        assert "1/2" in pilot.text("StopBar")
-        assert "Nod" in pilot.text("StopBar")
-        halted = m.ScriptMoved(position=0, phase="opening", played=[], halted="failed")
-        await at(pilot, halted, 5002)
-        assert "Hello" in pilot.text("StopBar")
-        assert "failed" in pilot.text("StopBar")
-        assert "again" not in pilot.text("StopBar")  # of one that was refused nothing was said
-        for how, words in (("stopped", "was cut"), ("mistake", "marked as a mistake")):
-            halted = m.ScriptMoved(position=0, phase="opening", played=[], halted=how)
-            await at(pilot, halted, 5003)
-            assert f"{words}: Space plays it" in pilot.text("StopBar")
-
-
-@SIZES
 async def test_the_list_of_phases(size: tuple[int, int]) -> None:
     async with piloted_console(guide(), size=size) as pilot:
         await at(pilot, begins("opening"))
@@ -185,7 +168,7 @@ async def test_a_late_console_knows_the_phase() -> None:
         assert "Speech" not in pilot.text("ActionPanels")
 
 
-@pytest.mark.parametrize(("key", "kind"), [("space", r.AskScript), (")", AskPhase)])
+@pytest.mark.parametrize(("key", "kind"), [("space", AskScript), (")", AskPhase)])
 def test_a_held_key_counts_once(key: str, kind: type[r.Request]) -> None:
     feed, clock = StillFeed(), ManualClock()
     keyboard = Keyboard(feed, clock)

@@ -18,7 +18,8 @@ class BuiltinKey:
     `reserves` are taken, in this order, on terminals where `chord` cannot arrive. `yields`: an
     experiment may have `chord` for an action of its own; this key then goes to a reserve. `last`:
     it yields to the console's other keys too, and to their reserves. `action`: the key plays this
-    one, and is there only where the experiment has it.
+    one, and is there only where the experiment has it. `behind`: the id of the key behind which it
+    is listed; empty: at the end.
     """
 
     id: str
@@ -29,13 +30,18 @@ class BuiltinKey:
     yields: bool = False
     last: bool = False
     action: str = ""
+    behind: str = ""
 
 
 def _keys() -> tuple[BuiltinKey, ...]:
     files = [Path(__file__).with_name("builtin_keys.json")]
     files += [path for each in features().values() if (path := each.file(each.keys))]
     rows = (msgspec.json.decode(path.read_bytes(), type=list[BuiltinKey]) for path in files)
-    return tuple(key for each in rows for key in each)
+    keys: list[BuiltinKey] = []
+    for key in (key for each in rows for key in each):
+        behind = (at for at, other in enumerate(keys, 1) if other.id == key.behind)
+        keys.insert(next(behind, len(keys)), key)
+    return tuple(keys)
 
 
 #: All of them, in the order in which they are listed.

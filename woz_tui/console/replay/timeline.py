@@ -17,7 +17,7 @@ from woz_tui.console.widgets.bottom_rows import (
     BarInfo,
     StopBar,
     hint_row,
-    script_row,
+    order_row,
     sentence_rows,
     upcoming,
 )
@@ -58,15 +58,13 @@ def replay_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Ro
 
 
 def _session_row(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> Row:
-    """A sentence for the viewer; else the stop as it was; else the script, or what keys do."""
+    """A sentence for the viewer; else the stop as it was; else what came next, or what keys do."""
     glyphs, width = frame.glyphs, frame.width
     if bar.news.text:
         return ((fit(f" {glyphs.plain(bar.news.text)}", width, glyphs.ellipsis), bar.news.look),)
     if (stop := state.session.stop) is not None:
         return _stop_row(state, stop, frame)
-    if state.script:
-        return script_row(state, frame, "script")
-    return cut(hint_row(bar.hints, width), width, glyphs.ellipsis)
+    return order_row(state, frame) or cut(hint_row(bar.hints, width), width, glyphs.ellipsis)
 
 
 def _stop_row(state: ConsoleState, stop: StopEpisode, frame: PaintFrame) -> Row:
@@ -158,5 +156,5 @@ class TimeBar(StopBar):
     """The bar over the whole width at the bottom of a replay."""
 
     def paint(self, state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> None:
-        """Show the stop or the script of then, and the time line."""
+        """Show the stop or what came next then, and the time line."""
         self.show(replay_rows(state, frame, bar))

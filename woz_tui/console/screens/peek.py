@@ -13,14 +13,14 @@ from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.drawing.key_caps import KeyCap, caption, key_name
 from woz_tui.console.input.keyboard import HELD_US
 from woz_tui.console.screens.dialog import ConsoleApp, LiveReportDialog
-from woz_tui.console.widgets.bottom_rows import KEPT, step_words, upcoming
+from woz_tui.console.widgets.bottom_rows import KEPT, order_keys, step_words, upcoming
 
 if TYPE_CHECKING:
     from woz_tui.config.keys.keymap import KeyMap
 
 
 def open_peek(app: ConsoleApp) -> None:
-    """Show the script's next line; the key of an action shows that action instead."""
+    """Show the action that comes next; the key of an action shows that action instead."""
     app.open_dialog(PeekDialog(app.keymap))
 
 
@@ -46,7 +46,7 @@ class PeekDialog(LiveReportDialog):
         self.own_keys = frozenset([*" ".join(keys.table).split(), *beside])
 
     def lines(self) -> list[Row]:
-        """The action of the key pressed last; before, the script's next one."""
+        """The action of the key pressed last; before, what comes next."""
         action = self._action or ("" if self._typed else upcoming(self.state))
         if action:
             return self._of(action)
@@ -73,8 +73,8 @@ class PeekDialog(LiveReportDialog):
         if view is not None and view.help:
             rows.append(((view.help, "muted"),))
         if name == upcoming(state):
-            script = key_name(app.key_of("script_next"), glyphs)
-            rows.append(((f"{script} plays it next", "muted"),))
+            key = key_name(app.key_of(order_keys()[0]), glyphs)
+            rows.append(((f"{key} plays it next", "muted"),))
         if (panel is not None and state.is_locked(panel)) or (view is not None and view.locked):
             rows.append((("It is locked and plays nothing.", "warn"),))
         elif panel is not None and (played := clean(state.played_by(panel))):

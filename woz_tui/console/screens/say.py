@@ -20,14 +20,10 @@ from woz_tui.console.robot_settings.completion import (
 from woz_tui.console.screens.dialog import (
     Completion,
     CompletionDialog,
-    ConsoleApp,
-    EntryDialog,
     content,
     plain,
 )
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.console.widgets.bottom_rows import KEPT, upcoming
-from woz_tui.protocol.requests import AskScript
 from woz_tui.protocol.robot_outline import RobotOutline
 
 #: Lines of matching utterances under the field, and of matching tags or animations.
@@ -168,55 +164,3 @@ class SayDialog(CompletionDialog):
     def history(self) -> Sequence[str]:
         """What was said before."""
         return self.requests.history
-
-
-def open_edit(app: ConsoleApp) -> None:
-    """Edit the sentence of the script's next line, if it has one that may be seen."""
-    name = upcoming(app.state)
-    said = next((call.args["text"] for call in app.state.calls(name) if call.verb == "say"), "")
-    if not name:
-        app.news("The script has no next line")
-    elif not said:
-        app.news(f"{app.state.label(name)} says nothing: there is nothing to edit")
-    elif HIDDEN_TEXT in (said, app.state.sentence(name)):
-        app.news(KEPT)
-    else:
-        app.open_dialog(EditLineDialog(app.state, str(said)))
-
-
-class EditLineDialog(EntryDialog):
-    """The sentence of the script's next line, to be said otherwise this once.
-
-    What was typed is a draft of this line alone; the box closes when another line is the next.
-    """
-
-    hint = "enter says it so, once; the file is not changed · ctrl+q closes"
-    size_class = "wide"
-
-    def __init__(self, state: ConsoleState, sentence: str) -> None:
-        super().__init__()
-        self.heading = f"Edit: {clean(state.label(upcoming(state)))}"
-        self._line = (state.script_name, state.position)
-        self._sentence = sentence
-
-    @property
-    def draft(self) -> str:
-        """Of this line and this sentence."""
-        return f"{type(self).__name__} {self._line} {self._sentence}"
-
-    def on_mount(self) -> None:
-        """The sentence as the file has it, unless another one was begun."""
-        super().on_mount()
-        if self.there and not self.entry.value:
-            self.set_text(self._sentence)
-
-    def refreshed(self) -> None:
-        """Another line is the next: this one has been played, or left out."""
-        if (self.state.script_name, self.state.position) != self._line:
-            self.leave()
-
-    def submit(self, text: str) -> None:
-        """Play the line; where nothing was changed, as it stands in the file."""
-        new = "" if text == self._sentence else text
-        key = self.console_app.key_of("script_edit")
-        self.requests.ask(AskScript(to=self._line[1], text=new, key=key))

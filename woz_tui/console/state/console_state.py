@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import itemgetter
 
@@ -55,7 +55,6 @@ from woz_tui.timeline.session_state import SessionState
 _NO_PLAN = m.SessionPlan(
     title="",
     panels=[],
-    script=[],
     verbs={},
     variables=[],
     conditions=[],
@@ -109,7 +108,7 @@ class ConsoleState:
     lost: Loss | None = None
     #: Action -> its key, as a cap shows it.
     keys: Mapping[str, str] = field(default_factory=dict)
-    #: Raised whenever panels or script are new, so that keys and layout follow.
+    #: Raised whenever panels are new, so that keys and layout follow.
     edition: int = 0
     #: How a replay stands, and its places to go to; None in a session.
     replay: ReplayState | None = None
@@ -176,42 +175,6 @@ class ConsoleState:
         others = {title for each in self.settings.phases for title in each.panels}
         others -= {*phase.panels}
         return [panel for panel in self.panels if panel.title not in others]
-
-    @property
-    def script_name(self) -> str:
-        """Whose script Space plays: the phase's, or the file's (empty)."""
-        phase = self.phase
-        return phase.name if phase is not None and phase.script else ""
-
-    @property
-    def script(self) -> list[str]:
-        """The lines of the script that Space plays."""
-        phase = self.phase
-        return phase.script if phase is not None and phase.script else self.plan.script
-
-    @property
-    def has_script(self) -> bool:
-        """Whether there is any, the file's own or that of a phase."""
-        return bool(self.plan.script) or any(phase.script for phase in self.settings.phases)
-
-    @property
-    def played(self) -> Collection[int]:
-        """Those of its lines that were played, from 0."""
-        moved = self.session.scripts.get(self.script_name)
-        old = range(self.position) if moved is not None else ()
-        return moved.played if moved is not None and moved.played is not None else old
-
-    @property
-    def halted(self) -> str:
-        """How the next line ended when it was played: the script stands still at it."""
-        moved = self.session.scripts.get(self.script_name)
-        return moved.halted if moved is not None else ""
-
-    @property
-    def position(self) -> int:
-        """The script's next line, from 0; its length at the end."""
-        moved = self.session.scripts.get(self.script_name)
-        return 0 if moved is None else max(0, min(moved.position, len(self.script)))
 
     @property
     def drivers(self) -> dict[str, DriverView]:
@@ -388,13 +351,13 @@ class ConsoleState:
         shown = m.SessionPlan(
             title=plan.title,
             panels=plan.panels,
-            script=plan.script,
             verbs=plan.verbs,
             variables=variables,
             conditions=plan.conditions,
             keyboard=plan.keyboard,
             drivers=drivers,
             settings=settings,
+            script=plan.script,
         )
         self.session.apply(shown)
 

@@ -1,13 +1,13 @@
-"""Lines at the bottom: actions beside the panels, the script with its next sentence, hints, news,
+"""Lines at the bottom: actions beside the panels, what comes next with its sentence, hints, news,
 the stop.
 """
 
 from __future__ import annotations
 
-import textwrap
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 from rich.cells import cell_len
 
@@ -30,6 +30,8 @@ from woz_tui.console.link.message_feed import Loss
 from woz_tui.console.state.command_text import command_words
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.stop_confirmation import settled_row, stopped_words
+from woz_tui.console.widgets.feature_console import ActionOrder, FeatureConsole
+from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol.messages import FilledCall
 from woz_tui.protocol.panels import ActionView
 from woz_tui.timeline.episodes import StopEpisode
@@ -130,24 +132,59 @@ def sentence_rows(state: ConsoleState, frame: PaintFrame, action: str) -> list[R
     return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows]
 
 
+@cache
+def _order() -> tuple[str, ActionOrder] | None:
+    """The order, and whose it is."""
+    orders = ((name, each.order) for name, each in pieces("console", FeatureConsole).items())
+    return next(((name, order) for name, order in orders if order is not None), None)
+
+
+def order_keys() -> Sequence[str]:
+    """Ids of the keys that its row names; the first plays the next action."""
+    return found[1].keys if (found := _order()) is not None else ()
+
+
+def has_order(state: ConsoleState) -> bool:
+    """Whether the experiment has one."""
+    if (found := _order()) is None:
+        return False
+    name, order = found
+    return answer_of(name, False, order.any, state)
+
+
 def upcoming(state: ConsoleState) -> str:
-    """The action that the script plays next; empty at its end."""
-    return state.script[state.position] if state.position < len(state.script) else ""
+    """The action that comes next in it; empty: none."""
+    if (found := _order()) is None:
+        return ""
+    name, order = found
+    return answer_of(name, "", order.next, state)
 
 
-def script_row(
+def order_row(state: ConsoleState, frame: PaintFrame, caps: Sequence[str] = ()) -> Row:
+    """How it stands; `caps`: its keys. Empty: there is nothing in it now."""
+    nothing: Row = ()
+    if (found := _order()) is None:
+        return nothing
+    name, order = found
+    return answer_of(name, nothing, order.row, state, frame, caps)
+
+
+def no_order() -> str:
+    """What stands in place of its row where there is nothing in it."""
+    return found[1].nothing if (found := _order()) is not None else ""
+
+
+def next_row(
     state: ConsoleState,
     frame: PaintFrame,
-    key: str,
-    skip: str = "",
+    caps: Sequence[str],
     *,
     then: Sequence[tuple[str, str]] = (),
     begin: tuple[str, str] = ("", ""),
 ) -> Row:
-    """The line that `key` plays next, those after it that were not played, and how many were;
-    `skip` is the key that leaves the line out. What is likely to follow the last act, `then`,
-    stands first: key and label of each. `begin`: where there is no script yet, the key that begins
-    something, and what.
+    """What comes next in the order of actions, whose keys are `caps`. What is likely to follow the
+    last act, `then`, stands first: key and label of each. `begin`: where there is no order yet, the
+    key that begins something, and what.
     """
     glyphs = frame.glyphs
     if then:
@@ -156,91 +193,33 @@ def script_row(
             row += ((f" {cap or glyphs.dash} ", "key"), (f" {clean(label)}  ", "strong"))
         room = frame.width - length(row)
         if room >= THEN_ROOM:
-            return row + script_row(state, replace(frame, width=room), key, skip, begin=begin)
+            return row + next_row(state, replace(frame, width=room), caps, begin=begin)
         return cut(row, frame.width, glyphs.ellipsis)
-    if not state.script:
-        press, does = begin
-        if press:
-            row = ((f" {press} ", "key"), (f" {does}", "strong"))
-            return cut(row, frame.width, glyphs.ellipsis)
-        return ((fit(f" {does or 'no script'}", frame.width, glyphs.ellipsis), "muted"),)
-    count = len(state.script)
-    right = f" {len(state.played)}/{count} "
-    front: Row = ((f" {key} ", "key"), (" ", "plain"))
-    room = frame.width - sum(cell_len(text) for text, _ in front) - len(right)
-    if state.position >= count:
-        body: Row = (("Script has ended", "muted"),)
-    else:
-        first = state.script[state.position]
-        behind = [at for at in range(state.position + 1, count) if at not in state.played]
-        body = ((f"{glyphs.here} {clean(state.label(first))}", "strong"),)
-        if state.halted:
-            goes_on = f", {skip} goes on" if skip else ""
-            stands = f"{_HALTED.get(state.halted, state.halted)}: {key} plays it{goes_on}"
-            body += ((f" {glyphs.warning} {stands} ", "warn"),)
-        for name in (state.script[at] for at in behind[:AHEAD]):
-            body += ((f"  {glyphs.next} {clean(state.label(name))}", "muted"),)
-    return (*front, *cut(body, max(1, room), glyphs.ellipsis), (right, "muted"))
+    if row := order_row(state, frame, caps):
+        return row
+    press, does = begin
+    if press:
+        row = ((f" {press} ", "key"), (f" {does}", "strong"))
+        return cut(row, frame.width, glyphs.ellipsis)
+    return ((fit(f" {does or no_order()}", frame.width, glyphs.ellipsis), "muted"),)
 
 
-#: How a line ended at which the script stands still, where another word is plainer.
-_HALTED = {"stopped": "was cut", "superseded": "was cut", "mistake": "marked as a mistake"}
-#: Lines of the script behind the next one, at the most, in its row.
-AHEAD = 11
-#: Cells that the script needs at least behind what is likely to follow.
+#: Cells that the order of actions needs at least behind what is likely to follow.
 THEN_ROOM = 24
-#: Lines of the script that stay above the next one where not all have room.
-BEFORE = 1
-#: Lines an entry's words get at most.
-WORDS = 2
-#: Cells that words are indented by.
-INDENT = 5
 
 
-def script_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
-    """Every line of the script with what is said; what has been played is quiet.
-
-    Where not all of it has room it begins shortly before the next line.
-    """
-    entries = [_entry(state, index, frame) for index in range(len(state.script))]
-    first = 0
-    if sum(map(len, entries)) > frame.height:
-        last = len(entries)
-        while last and sum(map(len, entries[last - 1 :])) <= frame.height:
-            last -= 1
-        first = min(max(0, state.position - BEFORE), last)
-    rows = [row for entry in entries[first:] for row in entry]
-    return rows[: frame.height]
-
-
-def _entry(state: ConsoleState, index: int, frame: PaintFrame) -> list[Row]:
-    glyphs, name = frame.glyphs, state.script[index]
-    played, following = index in state.played, index == state.position
-    mark = glyphs.here if following else glyphs.done if played else " "
-    look = "strong" if following else "muted" if played else "plain"
-    label = clean(state.label(name))
-    rows: list[Row] = [((f" {mark} {label}", look),)]
-    rows += [
-        ((" " * INDENT, "plain"), (line, "muted"))
-        for line in _wrapped(clean(state.sentence(name)), frame)
-    ]
-    return [cut(row, frame.width, glyphs.ellipsis) for row in rows]
-
-
-def _wrapped(words: str, frame: PaintFrame) -> list[str]:
-    room = max(10, frame.width - INDENT - 1)
-    return textwrap.wrap(words, room, max_lines=WORDS, placeholder=f" {frame.glyphs.ellipsis}")
-
-
-class ScriptPane(Cells):
-    """The whole script."""
+class OrderPane(Cells):
+    """All of it."""
 
     def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
-        """Show a heading and the lines."""
-        if not self.display:
+        """Show a heading and the actions."""
+        if not self.display or (found := _order()) is None:
             return
+        name, order = found
+        nothing: Sequence[Row] = ()
         inner = replace(frame, height=frame.height - 1)
-        self.show([heading("Script", frame), *script_rows(state, inner)])
+        rows = answer_of(name, nothing, order.rows, state, inner)
+        self.show([heading(order.heading, frame), *rows])
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,21 +235,20 @@ class BarInfo:
     """What does not come from messages.
 
     `news` takes the place of the `hints` (keys with a word each) for a while; `page` stands behind
-    the hints and says which page of the panels is shown. `next` is the key of the script, `skip`
-    leaves its line out, `release` the one that releases the stop, `stop` the one that stops,
+    the hints and says which page of the panels is shown. `next` are the keys of the order of
+    actions, `release` is the one that releases the stop, `stop` the one that stops,
     `take_over` lets a console that watches play, `failures` shows what can be done. `then`: keys
     and labels of what is likely to follow the last act. `asked_us`: session time at which this
-    console asked for a stop that has not been answered yet. `begin`: where there is no script yet,
+    console asked for a stop that has not been answered yet. `begin`: where there is no order yet,
     the key that begins something, and what; without a key, why there is none.
     """
 
     news: News = News()
     hints: tuple[tuple[str, str], ...] = ()
-    next: str = ""
+    next: tuple[str, ...] = ()
     release: str = ""
     asked_us: int | None = None
     page: str = ""
-    skip: str = ""
     take_over: str = ""
     then: tuple[tuple[str, str], ...] = ()
     stop: str = ""
@@ -282,15 +260,15 @@ def bar_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     """As many rows as the frame has, two at least. What is urgent takes the lowest."""
     lines = max(2, frame.height)
     urgent = _urgent(state, frame, bar)
-    script = [script_row(state, frame, bar.next, bar.skip, then=bar.then, begin=bar.begin)]
+    coming = [next_row(state, frame, bar.next, then=bar.then, begin=bar.begin)]
     if state.nobody_plays:
         what = clean(state.part) or "the robot"
         what = f" {frame.glyphs.warning} Nobody plays {what}. {bar.take_over} plays it from here."
-        script = [((fit(what, frame.width), "alarm-soft"),)]
-    if lines > len(script) + 1:
-        script += sentence_rows(state, replace(frame, height=2), upcoming(state))
+        coming = [((fit(what, frame.width), "alarm-soft"),)]
+    if lines > len(coming) + 1:
+        coming += sentence_rows(state, replace(frame, height=2), upcoming(state))
     hints = [hint_row(bar.hints, frame.width, bar.page)]
-    rows = [*script, *hints][:lines]
+    rows = [*coming, *hints][:lines]
     if urgent:
         rows[lines - len(urgent) :] = urgent
     return rows

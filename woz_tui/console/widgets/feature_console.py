@@ -26,17 +26,21 @@ class FeatureCommand:
     """A command of the console: it sends its request, or plays the action of its key, if that has
     one, and then opens the dialog `opens`, if one is named (`module:Class`).
 
-    `key`: the id of its key (`Feature.keys`). `sends`: makes the request. Without a dialog, a key
-    that is held down or pressed again at once counts once. `hint`: how the lowest line names it;
-    None: not at all. `watchers`: whether it is for those who only watch, too. `also`: words that
-    find it in the palette, beside its own.
+    `key`: the id of its key (`Feature.keys`). `sends`: makes the request; it counts `once` where
+    the key is held down or pressed again at once. `calls`: a function `module:name` that is given
+    the app instead. `hint`: how the lowest line names it; None: not at all. `watchers`: whether it
+    is for those who only watch, too. `found`: whether the palette has it; `also`: words that find
+    it there, beside its own.
     """
 
     key: str
     opens: str = ""
     sends: Callable[[KeyPress], Request] | None = None
+    once: bool = True
+    calls: str = ""
     hint: KeyHint | None = None
     watchers: bool = False
+    found: bool = True
     also: tuple[str, ...] = ()
 
 
@@ -58,6 +62,27 @@ class Board:
     """
 
     lines: Callable[[ConsoleState, int], int]
+    rows: Callable[[ConsoleState, PaintFrame], Sequence[Row]]
+
+
+@dataclass(frozen=True, slots=True)
+class ActionOrder:
+    """Actions that a key plays one after the other: at the bottom the next one, on a roomy screen
+    all of them.
+
+    `keys`: ids of the keys that the row at the bottom names; the first plays the next action.
+    `heading`: above all of them. `nothing`: what stands at the bottom while there are none.
+    `any`: whether the file has such an order, so that what the next action says gets lines of its
+    own. `next`: the action that comes next; empty: none. `row`: how it stands at the bottom, given
+    the keys as caps show them (none: in a replay); empty: there are none now. `rows`: all of them.
+    """
+
+    keys: tuple[str, ...]
+    heading: str
+    nothing: str
+    any: Callable[[ConsoleState], bool]
+    next: Callable[[ConsoleState], str]
+    row: Callable[[ConsoleState, PaintFrame, Sequence[str]], Row]
     rows: Callable[[ConsoleState, PaintFrame], Sequence[Row]]
 
 
@@ -92,7 +117,8 @@ class FeatureConsole:
     last, and the cells that are left. `board`: lines above the panels. `offers`: the dialog that
     opens by itself now. `instead`: the dialog `module:Class` that opens now for a command of the
     console, by the id of its key, instead of what it does otherwise; empty: nothing, None: as
-    otherwise. `finds`: what the palette finds beside its commands.
+    otherwise. `finds`: what the palette finds beside its commands. `order`: what a key plays one
+    after the other; of several features the first has it.
     """
 
     commands: tuple[FeatureCommand, ...] = ()
@@ -104,3 +130,4 @@ class FeatureConsole:
     present: Callable[[ConsoleState, PaintFrame, int], Row] | None = None
     following: Callable[[ConsoleState], NextStep | None] | None = None
     finds: Callable[[ConsoleState], Iterable[FoundRequest]] | None = None
+    order: ActionOrder | None = None

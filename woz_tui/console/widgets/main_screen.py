@@ -2,7 +2,8 @@
 
 Size and experiment file decide the places. Narrow: panels above, meters and events side by side
 below. Wide: panels at the left, meters and events at the right. Roomy: the same with the events
-under the panels, where their lines have room, and the script with its words under the meters.
+under the panels, where their lines have room, and the order of actions with its words under the
+meters.
 Bodies stand with the meters: beside them where it is narrow, under them elsewhere.
 """
 
@@ -23,7 +24,7 @@ from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.driver_outlines import body_outlines
 from woz_tui.console.widgets.action_panels import ActionPanels
-from woz_tui.console.widgets.bottom_rows import ActionRow, BarInfo, ScriptPane, StopBar
+from woz_tui.console.widgets.bottom_rows import ActionRow, BarInfo, OrderPane, StopBar, has_order
 from woz_tui.console.widgets.event_list import EventList
 from woz_tui.console.widgets.feature_console import Board, FeatureConsole
 from woz_tui.console.widgets.meters import Meters
@@ -36,9 +37,9 @@ WIDE = 120
 ROOMY = 40
 #: Lines of meters and events below the panels, on a low screen and on one of 32 lines or more.
 SIDE, TALL_SIDE, TALL = 7, 12, 32
-#: Lines of status, actions beside the panels and stop bar: without a script, and with its next
-#: sentence.
-STATUS, ACTIONS, BAR, SCRIPT_BAR = 2, 1, 2, 4
+#: Lines of status, actions beside the panels and stop bar: without an order of actions, and with
+#: what its next one says.
+STATUS, ACTIONS, BAR, ORDER_BAR = 2, 1, 2, 4
 #: Below this height the sentence gives way to panels, in lines.
 SENTENCE_FROM = 18
 #: Lines of bodies under the meters on a wide screen and on a roomy one; columns of each body, and
@@ -70,9 +71,9 @@ def shape(screen: Size) -> str:
     return "roomy" if screen.height >= ROOMY else "wide"
 
 
-def bar_lines(screen: Size, script: bool) -> int:
+def bar_lines(screen: Size, order: bool) -> int:
     """Lines of the stop bar."""
-    return SCRIPT_BAR if script and screen.height >= SENTENCE_FROM else BAR
+    return ORDER_BAR if order and screen.height >= SENTENCE_FROM else BAR
 
 
 def upper_lines(screen: Size, needs: Needs) -> int:
@@ -161,7 +162,7 @@ SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
 
 
 class MainScreen:
-    """Status on top, panels, meters and bodies, events, script, actions, stop bar."""
+    """Status on top, panels, meters and bodies, events, order, actions, stop bar."""
 
     def __init__(self, bar: StopBar | None = None) -> None:
         self.status = StatusLines()
@@ -174,7 +175,7 @@ class MainScreen:
         self.meters = Meters()
         self.bodies = BodyPane()
         self.events = EventList()
-        self.script = ScriptPane()
+        self.order = OrderPane()
         self.actions = ActionRow()
         self.bar = bar or StopBar()
         self.small = Cells(id="small")
@@ -188,7 +189,7 @@ class MainScreen:
             yield self.panels
             with self.side:
                 yield from (self.meters, self.bodies)
-            yield from (self.events, self.script)
+            yield from (self.events, self.order)
         yield self.small
         yield self.actions
         yield self.bar
@@ -200,7 +201,7 @@ class MainScreen:
         width, height = size
         base.set_class(width < FULL_SIZE.width or height < FULL_SIZE.height, "-small")
         base.set_class(width < LEAST_SIZE.width or height < LEAST_SIZE.height, "-tiny")
-        lines = bar_lines(size, state.has_script)
+        lines = bar_lines(size, has_order(state))
         if self.bar.styles.height is None or self.bar.styles.height.value != lines:
             self.bar.styles.height = lines
         above = sum(board.measure(height, state) for board in self.boards)
@@ -227,7 +228,7 @@ class MainScreen:
         for board in self.boards:
             if board.display:
                 board.paint(state, frame(board))
-        parts = (self.panels, self.meters, self.bodies, self.events, self.script, self.actions)
+        parts = (self.panels, self.meters, self.bodies, self.events, self.order, self.actions)
         for part in parts:
             part.paint(state, frame(part))
         self.bar.paint(state, frame(self.bar), replace(bar, page=self.panels.page))

@@ -111,9 +111,6 @@ class PhaseController(SessionFeature):
             with contextlib.suppress(RequestError):
                 self.session.play(name, replace(origin, source=SOURCE))
 
-    def _changed(self, message: PhaseChanged) -> None:
-        self.session.scripts.phase_began()
-
     def adopt(self, experiment: Experiment) -> None:
         """With the same phase, if it is still there."""
         if self.name and self.current is None:
@@ -161,7 +158,6 @@ class PhaseController(SessionFeature):
                 self.locked.add(panel)
 
     hears: ClassVar[Mapping[type[m.Message], Callable[[Any, Any], object]]] = {
-        PhaseChanged: _changed,
         m.TrialStarted: _trial_began,
         m.TrialEnded: _trial_ended,
         m.PanelLocked: _panel_locked,

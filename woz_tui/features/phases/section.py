@@ -124,9 +124,6 @@ class PhaseSection(FeatureSection[tuple[Phase, ...]]):
         if [name for name in before if name in after] != [name for name in after if name in before]:
             yield "phases are in another order"
 
-    def scripts(self, section: tuple[Phase, ...]) -> Mapping[str, Sequence[str]]:
-        return {phase.name: phase.script for phase in section if phase.script}
-
     # -- which holds -------------------------------------------------------------------------------
 
     def called(self, experiment: Experiment, name: str) -> Phase | None:

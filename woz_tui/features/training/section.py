@@ -115,8 +115,8 @@ class TrainingSection(FeatureSection[Training]):
             cue["sort"] = cue.pop("cue")
         return {"training": training}
 
-    def beginning(self, script: Sequence[str]) -> str:
-        return _TRAINING.format(first=script[0], last=script[-1])
+    def beginning(self, lines: Sequence[str]) -> str:
+        return _TRAINING.format(first=lines[0], last=lines[-1])
 
 
 TRAINING = TrainingSection(TrainingKeys, Training())

@@ -13,11 +13,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.session.rig import SessionRig, experiment
+from tests.session.rig import SessionRig, experiment, with_script
+from woz_tui.features.scripts.in_session import ScriptController, ScriptState
+from woz_tui.features.scripts.kinds import ScriptMoved
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
-from woz_tui.session.script_control import ScriptState
 
 KEY, SPACE = RequestOrigin("key", "h", "con1"), RequestOrigin("script", "space", "con1")
 LINES = ("Hello", "Fall", "Welcome", "Map")
@@ -35,12 +36,13 @@ def on_stage(
         rig.session.set(participant="P01")
         await scenario(rig)
 
-    made = replace(experiment(tmp_path), script=script, sections=sections)
+    made = with_script(experiment(tmp_path), *script)
+    made = replace(made, sections={**made.sections, **sections})
     return SessionRig(tmp_path, made=made).run(with_participant)
 
 
 def stands(rig: SessionRig) -> tuple[int, list[int], str]:
-    script = rig.session.scripts.now
+    script = rig.session.features.of(ScriptController).now
     return script.position, sorted(script.played), script.halted
 
 
@@ -54,29 +56,29 @@ def test_a_line_played_by_its_letter_is_not_offered_again(tmp_path: Path) -> Non
         assert stands(rig) == (1, [0], "")
         rig.session.play("Welcome", KEY)
         assert stands(rig) == (1, [0, 2], "")
-        rig.session.move_script(2)
-        rig.session.move_script(1)
+        rig.session.features.of(ScriptController).move(2)
+        rig.session.features.of(ScriptController).move(1)
         await asyncio.sleep(3)
         rig.session.play("Map", KEY)
         rig.session.play("Map", KEY, "queue")
         assert stands(rig) == (1, [0, 2, 3], "")
 
     rig = on_stage(tmp_path, scenario)
-    last = rig.of(m.ScriptMoved)[-1]
+    last = rig.of(ScriptMoved)[-1]
     assert (last.position, last.played, last.phase) == (1, [0, 2, 3], "")
 
 
 def test_the_script_stands_still_where_a_line_failed(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
-        session.move_script(1)
-        session.script_next(SPACE)
+        session.features.of(ScriptController).move(1)
+        session.features.of(ScriptController).play_next(SPACE)
         assert stands(rig)[0] == 2
         await asyncio.sleep(1)
         assert stands(rig) == (1, [], "failed")
-        session.move_script(2)
+        session.features.of(ScriptController).move(2)
         assert stands(rig) == (2, [], "")
-        session.script_next(SPACE)
+        session.features.of(ScriptController).play_next(SPACE)
         await asyncio.sleep(2)
         assert stands(rig) == (3, [2], "")
 
@@ -89,13 +91,13 @@ def test_one_line_waits_at_the_most(tmp_path: Path) -> None:
         session = rig.session
         session.send("say", {"text": "something long"}, "", KEY)
         await asyncio.sleep(0.1)
-        session.script_next(SPACE)
+        session.features.of(ScriptController).play_next(SPACE)
         await asyncio.sleep(0.1)
         for _ in range(20):
             with pytest.raises(RequestError, match="'Hello' is still waiting"):
-                session.script_next(SPACE)
+                session.features.of(ScriptController).play_next(SPACE)
         await asyncio.sleep(1)
-        session.script_next(SPACE)
+        session.features.of(ScriptController).play_next(SPACE)
 
     rig = on_stage(tmp_path, scenario)
     assert acts(rig) == ["Hello", "Fall"]
@@ -106,13 +108,13 @@ def test_a_line_that_is_to_begin_later_keeps_no_other_back(tmp_path: Path) -> No
         session = rig.session
         program = RequestOrigin("program", "", "con2")
         session.play("Fall", program, at=session.hub.now() + 2_000_000)
-        session.script_next(SPACE)
+        session.features.of(ScriptController).play_next(SPACE)
         await asyncio.sleep(1.5)
         session.send("play", {"move": "nod"}, "", KEY, when_busy="queue")
         session.send("play", {"move": "nod"}, "", KEY, when_busy="queue")
         await asyncio.sleep(0.6)
         with pytest.raises(RequestError, match="'Fall' is still waiting"):
-            session.script_next(SPACE)  # now it waits for the robot
+            session.features.of(ScriptController).play_next(SPACE)  # now it waits for the robot
 
     assert acts(on_stage(tmp_path, scenario)) == ["Fall", "Hello"]
 
@@ -122,10 +124,10 @@ def test_what_waits_behind_a_line_that_failed_is_not_played(tmp_path: Path) -> N
         session = rig.session
         session.send("play", {"move": "nod"}, "", KEY)
         await asyncio.sleep(0.1)
-        session.script_next(SPACE)  # it fails once the body is free
+        session.features.of(ScriptController).play_next(SPACE)  # it fails once the body is free
         session.send("say", {"text": "something long"}, "", KEY)
         await asyncio.sleep(0.45)
-        session.script_next(SPACE)
+        session.features.of(ScriptController).play_next(SPACE)
         await asyncio.sleep(3)
         assert stands(rig) == (0, [], "failed")
 
@@ -140,13 +142,13 @@ def test_a_line_that_was_cut_is_the_next_one(tmp_path: Path, waits: bool) -> Non
         if waits:
             session.send("say", {"text": "something long"}, "", KEY)
             await asyncio.sleep(0.1)
-        run = session.script_next(SPACE)
+        run = session.features.of(ScriptController).play_next(SPACE)
         await asyncio.sleep(0.1)
         session.cancel(run)
         await asyncio.sleep(0.1)
         assert stands(rig) == (0, [], "stopped")
         await asyncio.sleep(2)
-        session.script_next(SPACE)
+        session.features.of(ScriptController).play_next(SPACE)
         await asyncio.sleep(2)
         assert stands(rig) == (1, [0], "")
 
@@ -155,7 +157,7 @@ def test_a_line_that_was_cut_is_the_next_one(tmp_path: Path, waits: bool) -> Non
 
 def test_a_line_whose_sentence_another_act_cut_is_the_next_one(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        rig.session.script_next(SPACE)
+        rig.session.features.of(ScriptController).play_next(SPACE)
         await asyncio.sleep(0.1)
         rig.session.send("say", {"text": "one moment"}, "", KEY, when_busy="replace")
         await asyncio.sleep(2)
@@ -166,7 +168,7 @@ def test_a_line_whose_sentence_another_act_cut_is_the_next_one(tmp_path: Path) -
 
 def test_a_line_that_was_said_is_not_offered_again_though_its_move_was_cut(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        rig.session.script_next(SPACE)  # it says, then it points
+        rig.session.features.of(ScriptController).play_next(SPACE)  # it says, then it points
         await asyncio.sleep(1.6)
         rig.session.send("play", {"move": "shake"}, "", KEY, when_busy="replace")
         await asyncio.sleep(2)
@@ -178,13 +180,13 @@ def test_a_line_that_was_said_is_not_offered_again_though_its_move_was_cut(tmp_p
 
 def test_a_line_marked_as_a_mistake_while_it_is_said_is_the_next_one(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        rig.session.script_next(SPACE)
+        rig.session.features.of(ScriptController).play_next(SPACE)
         await asyncio.sleep(0.1)
         rig.session.mistake("", "")
         assert stands(rig) == (0, [], "mistake")
         await asyncio.sleep(2)
         assert stands(rig) == (0, [], "mistake")
-        rig.session.script_next(SPACE)
+        rig.session.features.of(ScriptController).play_next(SPACE)
         await asyncio.sleep(2)
         rig.session.mistake("", "")  # it has been said
         assert stands(rig) == (1, [0], "")
@@ -195,13 +197,13 @@ def test_a_line_marked_as_a_mistake_while_it_is_said_is_the_next_one(tmp_path: P
 def test_a_line_is_said_otherwise_once(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
-        session.script_next(SPACE, text="Good evening, {participant}")
+        session.features.of(ScriptController).play_next(SPACE, text="Good evening, {participant}")
         await asyncio.sleep(2)
         assert stands(rig) == (1, [0], "")
-        session.move_script(0)
-        session.script_next(SPACE)
+        session.features.of(ScriptController).move(0)
+        session.features.of(ScriptController).play_next(SPACE)
         await asyncio.sleep(2)
-        session.script_next(SPACE, text="and the map")
+        session.features.of(ScriptController).play_next(SPACE, text="and the map")
         await asyncio.sleep(3)
 
     rig = on_stage(tmp_path, scenario, ("Hello", "Map"))
@@ -214,7 +216,7 @@ def test_a_line_is_said_otherwise_once(tmp_path: Path) -> None:
 def test_a_line_that_says_nothing_cannot_be_edited(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError, match="'Go' says nothing that could be edited"):
-            rig.session.script_next(SPACE, text="Off we go")
+            rig.session.features.of(ScriptController).play_next(SPACE, text="Off we go")
         assert stands(rig) == (0, [], "")
 
     assert acts(on_stage(tmp_path, scenario, ("Go",))) == []
@@ -223,19 +225,19 @@ def test_a_line_that_says_nothing_cannot_be_edited(tmp_path: Path) -> None:
 def test_back_is_the_line_that_was_played_last_by_whatever_key(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
-        session.script_next(SPACE)
+        session.features.of(ScriptController).play_next(SPACE)
         session.play("Map", KEY)
         assert stands(rig)[0] == 1
-        session.move_script(by=-1)
+        session.features.of(ScriptController).move(by=-1)
         assert stands(rig)[0] == 3  # Map, which its letter has played
-        session.move_script(by=-1)
+        session.features.of(ScriptController).move(by=-1)
         assert stands(rig)[0] == 2
-        session.move_script(1)
+        session.features.of(ScriptController).move(1)
         session.play("Fall", KEY)
         assert stands(rig)[0] == 2
-        session.move_script(by=-1)
+        session.features.of(ScriptController).move(by=-1)
         assert stands(rig)[0] == 1
-        session.move_script(by=1)
+        session.features.of(ScriptController).move(by=1)
         assert stands(rig)[0] == 2
 
     on_stage(tmp_path, scenario)
@@ -243,15 +245,15 @@ def test_back_is_the_line_that_was_played_last_by_whatever_key(tmp_path: Path) -
 
 def test_the_stop_keeps_the_line_that_it_ended(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        rig.session.script_next(SPACE)
+        rig.session.features.of(ScriptController).play_next(SPACE)
         await asyncio.sleep(0.1)
         rig.session.stop("key")
         await asyncio.sleep(1)
         assert stands(rig) == (0, [], "stopped")
         with pytest.raises(RequestError, match="the stop is pressed"):
-            rig.session.script_next(SPACE)
+            rig.session.features.of(ScriptController).play_next(SPACE)
         rig.session.release("key")
-        rig.session.script_next(SPACE)
+        rig.session.features.of(ScriptController).play_next(SPACE)
         assert stands(rig) == (1, [0], "")
 
     on_stage(tmp_path, scenario)
@@ -272,7 +274,7 @@ def test_a_reload_keeps_what_was_played(tmp_path: Path) -> None:
         session.play("Hello", KEY)
         session.play("Map", KEY)
         lines = ("Cold", "Hello", "Welcome", "Fall", "Map")
-        session.adopt(replace(session.experiment, script=lines), ["script"])
+        session.adopt(with_script(session.experiment, *lines), ["script"])
         assert stands(rig) == (2, [1, 4], "")
 
     on_stage(tmp_path, scenario)

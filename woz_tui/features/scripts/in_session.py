@@ -7,16 +7,29 @@ before its end, the script goes back to it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import asyncio
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
 
 from woz_tui.config.experiment import Experiment
-from woz_tui.config.feature_section import sections
+from woz_tui.drivers.contract import Ask
 from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
+from woz_tui.features.phases.kinds import PhaseChanged
+from woz_tui.features.scripts.kinds import AskScript, ScriptMoved
+from woz_tui.features.scripts.section import SCRIPT
+from woz_tui.gate.questions import PlayAction, RequestOrigin
+from woz_tui.gate.table import another_plays_action
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
-from woz_tui.timeline.episodes import ActionEpisode, CommandEpisode, EpisodeOutcome
-from woz_tui.timeline.study_history import StudyState
+from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
+from woz_tui.timeline.episodes import (
+    ActionEpisode,
+    CommandEpisode,
+    Episode,
+    EpisodeOutcome,
+    TrialEpisode,
+)
 
 #: How a line ends behind which the script does not go on.
 HALTING = (EpisodeOutcome.FAILED, EpisodeOutcome.REFUSED, EpisodeOutcome.STOPPED)
@@ -106,28 +119,14 @@ class _RunningLine:
     line: int
 
 
-class ScriptController:
-    """All scripts of a session; see the module's text.
+class ScriptController(SessionFeature):
+    """All scripts of a session; see the module's text."""
 
-    Args:
-        publish: Publishes where a script stands.
-        experiment: What the file says.
-        study: Says which phase holds.
-        waits: Whether a run waits: it could begin, and nothing of it has begun.
-        withdraw: Cuts a run short.
-    """
+    requests = (AskScript,)
+    asks = ("script",)
 
-    def __init__(
-        self,
-        publish: Callable[[m.ScriptMoved], object],
-        experiment: Experiment,
-        *,
-        study: StudyState,
-        waits: Callable[[str], bool],
-        withdraw: Callable[[str], object],
-    ) -> None:
-        self._publish, self._study = publish, study
-        self._waits, self._withdraw = waits, withdraw
+    def __init__(self, session: FeatureSession) -> None:
+        super().__init__(session)
         self._scripts: dict[str, ScriptState] = {}
         self._published: dict[str, tuple[int, frozenset[int], str]] = {}
         self._runs: dict[str, _RunningLine] = {}
@@ -135,14 +134,14 @@ class ScriptController:
         self._cut_speech: set[str] = set()
         #: Runs of lines that Space has played: they go with the line before them.
         self.by_script: set[str] = set()
-        self.adopt(experiment)
+        self.adopt(session.experiment)
 
     # -- reading -----------------------------------------------------------------------------------
 
     @property
     def name(self) -> str:
         """The script that Space plays: that of the phase, or the experiment's."""
-        stage = self._study.stage
+        stage = self.session.state.study.stage
         return stage.name if stage is not None and stage.name in self._scripts else ""
 
     @property
@@ -150,13 +149,38 @@ class ScriptController:
         """How it stands."""
         return self._scripts[self.name]
 
-    def next_line(self) -> str:
+    # -- what is asked for -------------------------------------------------------------------------
+
+    def carry_out(self, request: AskScript, client: Client) -> str:
+        if request.to is not None or request.by:
+            self.move(request.to, request.by)
+        if not request.play:
+            return ""
+        source = "script" if client.role == "wizard" else "program"
+        origin = RequestOrigin(source, request.key, client.console)
+        return self.play_next(origin, client.stale, request.text.strip(), client.tells)
+
+    def carry_out_ask(self, ask: Ask, origin: RequestOrigin, stale: str) -> None:
+        self.play_next(origin, stale)
+
+    def play_next(
+        self, origin: RequestOrigin, stale: str = "", text: str = "", tells: tuple[str, ...] = ()
+    ) -> str:
+        """Play the next line and move on; its run id. `stale`, `text` and `tells` as for
+        `Session.play`.
+        """
+        line = self._next_line()
+        run = self.session.play(line, origin, stale=stale, text=text, tells=tells)
+        self.by_script.add(run)
+        return run
+
+    def _next_line(self) -> str:
         """The action that Space plays. Raises `RequestError` if there is none, or one waits."""
-        script = self.now
+        script, study = self.now, self.session.state.study
         if script.position >= len(script.lines):
             if not script.lines:
-                if len(self._scripts) > 1 and self._study.stage is None:
-                    if self._study.between_trials:
+                if len(self._scripts) > 1 and study.stage is None:
+                    if study.between_trials:
                         raise RequestError(
                             "phases begin with a trial", "begin one", command="trial"
                         )
@@ -173,13 +197,27 @@ class ScriptController:
                 )
         return script.lines[script.position]
 
+    def _waits(self, run: str) -> bool:
+        """Whether a run was asked for now, and nothing of it has begun."""
+        session = self.session
+        action, late = session.state.actions.get(run), run in session.runner.scheduled
+        return action is not None and action.dispatched is None and not late
+
     # -- what happens ------------------------------------------------------------------------------
 
-    def apply(self, action: ActionEpisode) -> None:
-        """An action was asked for, or has ended."""
+    def after_play(self) -> None:
+        self.publish()
+
+    def _went_on(self, action: ActionEpisode) -> None:
+        """An action was asked for, or has ended. What the session's end cuts is not to be played
+        again.
+        """
+        if self.session.ended:
+            return
         run = action.request.run
         if action.end is None:
-            self._began(action)
+            if not self._is_of_another(action):
+                self._began(action)
             return
         self.by_script.discard(run)
         if (played := self._runs.pop(run, None)) is not None:
@@ -187,15 +225,24 @@ class ScriptController:
             self.publish()
         self._cut_speech.discard(run)
 
-    def spoke(self, command: CommandEpisode) -> None:
+    def _is_of_another(self, action: ActionEpisode) -> bool:
+        """Whether a wizard has just pressed what another one plays: the script hears nothing."""
+        request = action.request
+        origin = RequestOrigin(request.source, "", request.console)
+        asked = PlayAction(action.label, self.session.experiment.action(action.label), origin)
+        return another_plays_action(self.session.facts(), asked) is not None
+
+    def _spoke(self, command: CommandEpisode) -> None:
         """A sentence has ended: whether a line was cut in it."""
+        if self.session.ended:
+            return
         cut = command.outcome in (EpisodeOutcome.STOPPED, EpisodeOutcome.SUPERSEDED)
         if cut and command.label in SPEAKING_VERBS and command.request.run in self._runs:
             self._cut_speech.add(command.request.run)
 
-    def mistaken(self, run: str) -> None:
+    def _mistaken(self, message: m.Mistake) -> None:
         """What is being played is a mistake: a line is offered again."""
-        if (played := self._runs.pop(run, None)) is not None:
+        if (played := self._runs.pop(message.run, None)) is not None:
             self._scripts[played.script].take_back(played.line, MISTAKE)
             self.publish()
 
@@ -219,7 +266,10 @@ class ScriptController:
         script.take_back(played.line, script.halted or action.outcome)
         for run, other in [*self._runs.items()]:
             if run in self.by_script and other.script == played.script and self._waits(run):
-                self._withdraw(run)
+                # A line that waits behind one that was not played.
+                cancel = self.session.runner.cancel
+                loop = asyncio.get_running_loop()
+                loop.call_soon(cancel, run, "the previous line was not played")
 
     def move(self, to: int | None = None, by: int = 0) -> None:
         """Choose the next line of the script that Space plays: `to` (0: the first; None: the one
@@ -232,13 +282,20 @@ class ScriptController:
         script.move((script.position if to is None else to) + by)
         self.publish()
 
-    def phase_began(self) -> None:
+    def _phase_changed(self, message: PhaseChanged) -> None:
         """How a line ended in another phase is no news in this one."""
         for script in self._scripts.values():
             script.halted = ""
         self.publish()
 
-    def begin_anew(self) -> None:
+    def begin_anew(self, *, participant: bool) -> None:
+        self._begin_anew()
+
+    def _trial(self, trial: TrialEpisode) -> None:
+        if trial.end is None:
+            self._begin_anew()
+
+    def _begin_anew(self) -> None:
         """Every script begins with its first line."""
         self._runs.clear()
         self._scripts = {name: ScriptState(each.lines) for name, each in self._scripts.items()}
@@ -246,9 +303,7 @@ class ScriptController:
 
     def adopt(self, experiment: Experiment) -> None:
         """Go on with what the file says now."""
-        scripts: dict[str, Sequence[str]] = {"": experiment.script}
-        for section in sections():
-            scripts |= section.scripts(section.of(experiment))
+        scripts = SCRIPT.all_of(experiment)
         for run, played in [*self._runs.items()]:
             before = self._scripts[played.script].lines
             place = _places(before, scripts.get(played.script, ())).get(played.line)
@@ -269,11 +324,21 @@ class ScriptController:
             if now == self._published.get(name, (0, frozenset(), "")):
                 continue
             self._published[name] = now
-            self._publish(
-                m.ScriptMoved(
+            self.session.hub.publish(
+                ScriptMoved(
                     position=script.position,
                     phase=name,
                     played=sorted(script.played),
                     halted=script.halted,
                 )
             )
+
+    hears: ClassVar[Mapping[type[m.Message], Callable[[Any, Any], object]]] = {
+        m.Mistake: _mistaken,
+        PhaseChanged: _phase_changed,
+    }
+    follows: ClassVar[Mapping[type[Episode], Callable[[Any, Any], object]]] = {
+        ActionEpisode: _went_on,
+        CommandEpisode: _spoke,
+        TrialEpisode: _trial,
+    }

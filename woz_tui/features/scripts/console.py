@@ -1,0 +1,142 @@
+"""The script on the wizard's screen."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+from rich.cells import cell_len
+
+from woz_tui.console.drawing.cells import Row, clean, cut
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.input.keyboard import KeyPress
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.widgets.feature_console import (
+    ActionOrder,
+    FeatureCommand,
+    FeatureConsole,
+    KeyHint,
+)
+from woz_tui.features.scripts.kinds import AskScript
+from woz_tui.features.scripts.shown_script import ShownScript, has_script, shown_script
+
+#: How a line ended at which the script stands still, where another word is plainer.
+_HALTED = {"stopped": "was cut", "superseded": "was cut", "mistake": "marked as a mistake"}
+#: Lines of the script behind the next one, at the most, in its row.
+AHEAD = 11
+#: Lines of the script that stay above the next one where not all have room.
+BEFORE = 1
+#: Lines an entry's words get at most.
+WORDS = 2
+#: Cells that words are indented by.
+INDENT = 5
+#: What stands for the keys where there are none.
+NO_CAPS = ("script", "")
+
+
+def _play(press: KeyPress) -> AskScript:
+    return AskScript(**press.fields)
+
+
+def _back(press: KeyPress) -> AskScript:
+    return _move(-1, press)
+
+
+def _on(press: KeyPress) -> AskScript:
+    return _move(1, press)
+
+
+def _move(by: int, press: KeyPress) -> AskScript:
+    """So many lines on without playing, from where the script stands when this arrives."""
+    return AskScript(play=False, by=by, **press.fields)
+
+
+def _has_lines(state: ConsoleState) -> bool:
+    return bool(shown_script(state).lines) or not state.welcomed
+
+
+def _next(state: ConsoleState) -> str:
+    return shown_script(state).next
+
+
+def script_row(state: ConsoleState, frame: PaintFrame, caps: Sequence[str]) -> Row:
+    """The next line, those after it that were not played, and how many were. The first of the keys
+    plays it, the second leaves it out.
+    """
+    script, glyphs = shown_script(state), frame.glyphs
+    if not script.lines:
+        return ()
+    key, skip = caps or NO_CAPS
+    count, here = len(script.lines), script.position
+    right = f" {len(script.played)}/{count} "
+    front: Row = ((f" {key} ", "key"), (" ", "plain"))
+    room = frame.width - sum(cell_len(text) for text, _ in front) - len(right)
+    if here >= count:
+        body: Row = (("Script has ended", "muted"),)
+    else:
+        behind = [at for at in range(here + 1, count) if at not in script.played]
+        body = ((f"{glyphs.here} {clean(state.label(script.next))}", "strong"),)
+        if script.halted:
+            goes_on = f", {skip} goes on" if skip else ""
+            stands = f"{_HALTED.get(script.halted, script.halted)}: {key} plays it{goes_on}"
+            body += ((f" {glyphs.warning} {stands} ", "warn"),)
+        for name in (script.lines[at] for at in behind[:AHEAD]):
+            body += ((f"  {glyphs.next} {clean(state.label(name))}", "muted"),)
+    return (*front, *cut(body, max(1, room), glyphs.ellipsis), (right, "muted"))
+
+
+def script_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
+    """Every line of the script with what is said; what has been played is quiet.
+
+    Where not all of it has room it begins shortly before the next line.
+    """
+    script = shown_script(state)
+    entries = [_entry(state, script, index, frame) for index in range(len(script.lines))]
+    first = 0
+    if sum(map(len, entries)) > frame.height:
+        last = len(entries)
+        while last and sum(map(len, entries[last - 1 :])) <= frame.height:
+            last -= 1
+        first = min(max(0, script.position - BEFORE), last)
+    rows = [row for entry in entries[first:] for row in entry]
+    return rows[: frame.height]
+
+
+def _entry(state: ConsoleState, script: ShownScript, index: int, frame: PaintFrame) -> list[Row]:
+    glyphs, name = frame.glyphs, script.lines[index]
+    played, following = index in script.played, index == script.position
+    mark = glyphs.here if following else glyphs.done if played else " "
+    look = "strong" if following else "muted" if played else "plain"
+    label = clean(state.label(name))
+    rows: list[Row] = [((f" {mark} {label}", look),)]
+    rows += [
+        ((" " * INDENT, "plain"), (line, "muted"))
+        for line in _wrapped(clean(state.sentence(name)), frame)
+    ]
+    return [cut(row, frame.width, glyphs.ellipsis) for row in rows]
+
+
+def _wrapped(words: str, frame: PaintFrame) -> list[str]:
+    room = max(10, frame.width - INDENT - 1)
+    return textwrap.wrap(words, room, max_lines=WORDS, placeholder=f" {frame.glyphs.ellipsis}")
+
+
+CONSOLE = FeatureConsole(
+    commands=(
+        FeatureCommand(
+            "script_next", sends=_play, found=False, hint=KeyHint(2, "script", _has_lines)
+        ),
+        FeatureCommand("script_back", sends=_back, once=False),
+        FeatureCommand("script_on", sends=_on, once=False),
+        FeatureCommand("script_edit", calls=f"{__package__}.dialog:open_edit"),
+    ),
+    order=ActionOrder(
+        keys=("script_next", "script_on"),
+        heading="Script",
+        nothing="no script",
+        any=has_script,
+        next=_next,
+        row=script_row,
+        rows=script_rows,
+    ),
+)

@@ -10,7 +10,7 @@ import pytest
 from tests.config.reading import HEAD, ROBOT, panel, read_experiment
 from woz_tui.config.reload_changes import compare
 
-BASE = panel("{key: a, label: A, say: Hi}", "{key: b, label: B, say: Ho}") + "script: [A, B]\n"
+BASE = panel("{key: a, label: A, say: Hi}", "{key: b, label: B, say: Ho}") + "language: en\n"
 
 
 @dataclass(frozen=True)
@@ -34,27 +34,25 @@ class Edit:
         Edit("say: Hi", "say: Hi, help: me", ["action 'A': help changed"]),
         Edit("label: A,", "label: Z, name: A,", ["action 'A': label 'Z'"]),
         Edit("label: B,", "label: B, name: C,", []),
-        Edit("script: [A, B]", "script: [B, A]", ["script changed"]),
-        Edit("script: [A, B]", "script: [A]", ["script has 1 lines, it had 2"]),
         Edit("title: P", "title: P\n    locked: on", ["panel 'P' is locked"]),
-        Edit("script:", "keyboard: de\nscript:", ["keyboard changed"]),
-        Edit("script:", "conditions: [x, y]\nscript:", ["conditions are x, y"]),
-        Edit("script:", "variables: {x: y}\nscript:", ["variable 'x' is new"]),
-        Edit("script:", "session: {deadline: 3}\nscript:", ["session changed"]),
-        Edit("script:", "participants: {pattern: x}\nscript:", ["participant pattern changed"]),
-        Edit("script:", "design: {order: fixed}\nscript:", ["design is new"]),
+        Edit("language:", "keyboard: de\nlanguage:", ["keyboard changed"]),
+        Edit("language:", "conditions: [x, y]\nlanguage:", ["conditions are x, y"]),
+        Edit("language:", "variables: {x: y}\nlanguage:", ["variable 'x' is new"]),
+        Edit("language:", "session: {deadline: 3}\nlanguage:", ["session changed"]),
+        Edit("language:", "participants: {pattern: x}\nlanguage:", ["participant pattern changed"]),
+        Edit("language:", "design: {order: fixed}\nlanguage:", ["design is new"]),
         Edit(
-            "script:",
-            "perception: {hide: [face]}\nscript:",
+            "language:",
+            "perception: {hide: [face]}\nlanguage:",
             ["perception: hide face, it was nothing"],
         ),
-        Edit("script:", "preflight: [Shut]\nscript:", ["preflight 'Shut' is new"]),
+        Edit("language:", "preflight: [Shut]\nlanguage:", ["preflight 'Shut' is new"]),
         Edit(
-            "script:",
-            "questionnaires: [{name: q, items: [a]}]\nscript:",
+            "language:",
+            "questionnaires: [{name: q, items: [a]}]\nlanguage:",
             ["questionnaire 'q' is new"],
         ),
-        Edit("script:", "# a comment\nscript:", []),
+        Edit("language:", "# a comment\nlanguage:", []),
         Edit("title: T", "\n\ntitle: T", []),
     ],
 )
@@ -63,8 +61,7 @@ def test_one_edit(tmp_path: Path, edit: Edit) -> None:
     old = read_experiment(tmp_path, BASE)
     text = BASE.replace(edit.old, edit.new)
     if "name: C" in text:
-        text = text.replace("script: [A, B]", "script: [A, C]")
-        edit = Edit("", "", ["action 'B' was removed", "action 'C' is new", "script changed"])
+        edit = Edit("", "", ["action 'B' was removed", "action 'C' is new"])
     new = read_experiment(tmp_path, text)
     assert list(compare(old, new).changes) == edit.said
     assert not compare(old, new).drivers
@@ -89,7 +86,7 @@ def test_repairs_that_only_moved_down_have_not_changed(tmp_path: Path) -> None:
 
 def test_panels_and_actions_come_go_and_change_places(tmp_path: Path) -> None:
     old = read_experiment(tmp_path, BASE + "# \n")
-    more = BASE.replace("script:", "  - {title: Q, actions: [{label: D, say: D}]}\nscript:")
+    more = BASE.replace("language:", "  - {title: Q, actions: [{label: D, say: D}]}\nlanguage:")
     new = read_experiment(tmp_path, more)
     assert list(compare(old, new).changes) == ["panel 'Q' is new", "action 'D' is new"]
     assert list(compare(new, old).changes) == ["panel 'Q' was removed", "action 'D' was removed"]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import msgspec
 
 from tests.console.scripted_feed import raw
-from woz_tui.features.scripts.kinds import ScriptMoved
+from tests.protocol.feature_examples import feature_examples
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -172,7 +172,7 @@ def healthy() -> list[m.Message]:
         m.DriverConnected(driver="face", detail="8x8 LED", t=SECOND),
         m.DriverConnected(driver="range", detail="TFmini on ttyACM0", t=SECOND),
         m.DriverConnected(driver="microphone", detail="16 kHz mono", t=SECOND),
-        ScriptMoved(position=2, t=11 * MINUTE),
+        *feature_examples("scripts", "SCENE"),
     ]
 
 

@@ -10,9 +10,8 @@ from typing import Literal, Self
 
 import pytest
 
-from tests.session.rig import HERE, SessionRig, action, call, experiment, together, with_script
+from tests.session.rig import HERE, SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Experiment, Panel, Wait
-from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.gate.table import LET_GO
 from woz_tui.host.client_connection import ClientConnection, RequestScheduler
@@ -100,7 +99,7 @@ def driving_experiment(folder: Path, driving: Setting) -> Experiment:
     later = action("Later", Wait(1.0), together(call("drive", x=1.0)), panel="Base")
     base = Panel("Base", (*made.panels[1].actions, later), HERE)
     session = replace(made.session, driving=driving)
-    return with_script(replace(made, panels=(made.panels[0], base), session=session), "Go")
+    return replace(made, panels=(made.panels[0], base), session=session)
 
 
 def played(
@@ -282,7 +281,6 @@ def test_a_step_that_comes_after_the_key_is_up_does_not_drive(tmp_path: Path) ->
 @pytest.mark.parametrize(
     "ask",
     [
-        AskScript(key="space"),
         AskAction(action="Go", source="palette"),
         AskVerb(verb="drive", args={"x": 1.0}, source="key"),
     ],

@@ -22,7 +22,6 @@ async def test_hello_gives_the_whole_picture_and_then_the_stream(tmp_path: Path)
         welcome = await peer.hello()
         assert welcome["title"] == "Made by hand"
         assert [panel["title"] for panel in welcome["panels"]] == ["Speech", "Base"]
-        assert welcome["script"] == ["Hello", "Welcome"]
         assert {line["kind"] for line in welcome["state"]} >= {"session.start", "driver.connected"}
         reply = await peer.ask("action", action="Hello")
         assert reply == {"kind": "reply", "ref": reply["ref"], "ok": True, "run": "a00001"}
@@ -308,7 +307,7 @@ async def test_the_rest_of_the_requests(tmp_path: Path) -> None:
         peer = await host.connect()
         await peer.hello()
         assert (await peer.ask("mistake"))["reason"] == "nothing has been played yet"
-        run = (await peer.ask("script"))["run"]
+        run = (await peer.ask("action", action="Hello"))["run"]
         assert (await peer.ask("cancel", run=run))["ok"]
         assert (await peer.ask("mistake", text="wrong key"))["ok"]
         assert (await peer.ask("marker", text="here"))["ok"]

@@ -11,10 +11,9 @@ from typing import Any
 import pytest
 
 from tests.host.rig import Peer, ServedSession, served_session
-from tests.session.rig import HERE, action, call, experiment, together, with_script
+from tests.session.rig import HERE, action, call, experiment, together
 from woz_tui.config.experiment import Experiment, Panel, SessionSettings
 from woz_tui.config.study import Design
-from woz_tui.features.scripts.kinds import ScriptMoved
 from woz_tui.protocol import messages as m
 
 #: Panel -> an action of it.
@@ -204,16 +203,6 @@ async def test_a_verb_of_one_robot_belongs_to_who_plays_that_robot(tmp_path: Pat
         program = await host.connect()
         await program.hello()
         assert "locked" in (await program.ask("verb", on="right", **words))["reason"]
-
-
-async def test_a_line_of_the_script_is_played_by_whose_it_is(tmp_path: Path) -> None:
-    made = with_script(experiment_with_parts(tmp_path), "Go", "Hello")
-    async with served_session(tmp_path, made=made) as host:
-        voice, body = await wizard(host, "voice"), await wizard(host, "body")
-        assert "body (con2)" in (await voice.ask("script"))["reason"]
-        assert not any(isinstance(line, ScriptMoved) for line in host.lines), "it has not halted"
-        assert (await body.ask("script"))["run"]
-        assert (await voice.ask("script"))["ok"]
 
 
 async def test_the_last_mistake_is_ones_own(tmp_path: Path) -> None:

@@ -76,13 +76,12 @@ def test_a_verb_asked_for_in_a_thread_is_a_command_like_any_other(tmp_path: Path
     assert outcome.threads == {threading.get_ident()}
 
 
-def test_an_action_the_script_a_mark_and_the_stop(tmp_path: Path) -> None:
-    ears = [RequestOutcome() for _ in range(5)]
+def test_an_action_a_mark_and_the_stop(tmp_path: Path) -> None:
+    ears = [RequestOutcome() for _ in range(4)]
 
     async def scenario(rig: SessionRig) -> None:
         asks = [
             Ask("action", "Map", source="midi"),
-            Ask("script", source="midi"),
             Ask("mark", "a smile", source="midi"),
             Ask("stop", source="midi"),
             Ask("release", source="midi"),
@@ -93,13 +92,10 @@ def test_an_action_the_script_a_mark_and_the_stop(tmp_path: Path) -> None:
 
     rig = on_stage(tmp_path, scenario)
     requested = rig.of(m.ActionRequested)
-    assert [(line.action, line.source) for line in requested] == [
-        ("Map", "midi"),
-        ("Hello", "midi"),
-    ]
+    assert [(line.action, line.source) for line in requested] == [("Map", "midi")]
     assert [line.text for line in rig.of(m.Marker)] == ["map", "a smile"]
     assert rig.kinds(m.StopPressed, m.StopReleased) == ["StopPressed", "StopReleased"]
-    assert [outcome.told for outcome in ears] == [[(True, "")]] * 5
+    assert [outcome.told for outcome in ears] == [[(True, "")]] * 4
 
 
 @pytest.mark.parametrize(
@@ -107,7 +103,6 @@ def test_an_action_the_script_a_mark_and_the_stop(tmp_path: Path) -> None:
     [
         Ask("action", "Map", source="midi"),
         Ask("verb", "play", {"move": "nod"}, source="midi", key="knob 1"),
-        Ask("script", source="midi"),
         Ask("release", source="midi", key="button 3"),
     ],
 )

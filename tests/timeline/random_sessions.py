@@ -10,11 +10,11 @@ import msgspec
 from hypothesis import strategies as st
 
 from tests.protocol.examples import messages as examples
+from tests.protocol.feature_examples import feature_examples
 from woz_tui.config.engagement_words import STATES
 from woz_tui.features.delay.kinds import ActionHeld, ShapingChanged
 from woz_tui.features.phases.kinds import PhaseChanged
 from woz_tui.features.profiles.kinds import ProfileChanged
-from woz_tui.features.scripts.kinds import ScriptMoved
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
 
@@ -274,11 +274,8 @@ class Recording:
             ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["speech"]),
             ProfileChanged(profile=self._chance.choice(["child", "adult", ""])),
             m.PanelLocked(panel="Drive", locked=self._chance.random() < 0.5),
-            ScriptMoved(
-                position=self._chance.randint(0, 3),
-                phase=self._chance.choice(["", "opening"]),
-                played=[1],
-            ),
+            *feature_examples("scripts", "HALTED"),
+            *feature_examples("scripts", "MOVED"),
             PhaseChanged(
                 phase=self._chance.choice(["opening", "whales", "closing", ""]),
                 source=self._chance.choice(["key", "trial", "session", "reload"]),

@@ -18,7 +18,6 @@ from tests.timeline.random_sessions import damaged, recordings, stamped, start
 from woz_tui.features.delay.history import DelayHistory
 from woz_tui.features.phases.history import PhaseHistory
 from woz_tui.features.profiles.history import ProfileHistory
-from woz_tui.features.scripts.history import ScriptHistory
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.kinds import message_kinds
@@ -84,7 +83,6 @@ def known_state(state: SessionState) -> dict[str, Any]:
         "delay": state.history(DelayHistory).changed,
         "profile": state.history(ProfileHistory).changed,
         "phases": state.history(PhaseHistory).begun,
-        "scripts": state.history(ScriptHistory).moved,
         "rest": (state.consoles, state.recorder, state.start, state.end),
         "features": {kind: [*each.lines] for kind, each in state.histories.items()},
         "rerun": state.rerun and state.rerun.started,

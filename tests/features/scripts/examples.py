@@ -2,6 +2,8 @@
 
 from woz_tui.features.scripts.kinds import AskScript, ScriptMoved
 
+#: Where the script of the console's scene stands, since minute 11.
+SCENE = (ScriptMoved(position=2, t=660_000_000),)
 MOVED = (ScriptMoved(position=3),)
 HALTED = (ScriptMoved(position=1, phase="opening", played=[0, 3], halted="failed"),)
 REQUESTS = (

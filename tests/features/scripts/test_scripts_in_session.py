@@ -8,12 +8,15 @@ from pathlib import Path
 
 import pytest
 
+from tests.fakes.virtual_time import LoopClock
 from tests.features.profiles.test_profiles import NOT
 from tests.features.profiles.test_profiles import on_stage as with_profile
 from tests.session.rig import SessionRig, with_script
 from tests.session.study_rig import on_stage as in_study
 from tests.session.test_another_robot import TEXT, staged
+from tests.session.test_driver_requests import RequestOutcome, from_a_thread
 from tests.session.test_superseding import ACTIONS, ends, scene
+from woz_tui.drivers.contract import Ask
 from woz_tui.features.scripts.in_session import ScriptController
 from woz_tui.features.scripts.kinds import ScriptMoved
 from woz_tui.gate.questions import RequestOrigin
@@ -146,3 +149,21 @@ def test_a_line_that_the_profile_does_not_allow_is_refused(tmp_path: Path) -> No
 def test_lines_that_another_robot_plays_without_a_part_of_them_are_played(tmp_path: Path) -> None:
     rig = staged(tmp_path, f"{TEXT}script: [Blue, Hello]\n")
     assert script_of(rig).now.position == 2
+
+
+def test_a_hand_on_a_panel_plays_the_next_line_unless_it_is_too_old(tmp_path: Path) -> None:
+    ears = [RequestOutcome(), RequestOutcome()]
+
+    async def scenario(rig: SessionRig) -> None:
+        from_a_thread(rig, Ask("script", source="midi"), ears[0])
+        await asyncio.sleep(2)
+        assert isinstance(rig.session.clock, LoopClock)
+        rig.session.clock.stood_still_us += 5_000_000
+        from_a_thread(rig, Ask("script", source="midi"), ears[1])
+        await asyncio.sleep(1)
+
+    rig = on_stage(tmp_path, scenario)
+    asked = [(line.action, line.source) for line in rig.of(m.ActionRequested)]
+    assert asked == [("Hello", "midi"), ("Welcome", "midi")]
+    assert [line.action for line in rig.of(m.ActionRefused)] == ["Welcome"]
+    assert [told[0] for ear in ears for told in ear.told] == [True, False]

@@ -12,7 +12,7 @@ from tests.console.dialogs import entry
 from tests.console.piloting import piloted_console
 from tests.console.test_action_texts import guide
 from tests.console.test_meters import console_state, text
-from tests.features.phases.test_phases_on_screen import at, begins
+from tests.features.phases.test_phases_on_screen import at, begins, counts_once
 from tests.features.phases.test_phases_on_screen import guide as with_phases
 from woz_tui.console.commands import COMMANDS, by_key
 from woz_tui.console.drawing.cells import length
@@ -141,6 +141,10 @@ def test_a_place_outside_of_the_script_is_its_nearest_end(
     assert shown_script(state).position == min(max(position, 0), lines)
     assert len(script_rows(state, PaintFrame(40, 5, NOW))) <= 5
     assert script_row(state, PaintFrame(40, 1, NOW), ("Space", ">")) or not lines
+
+
+def test_a_held_key_plays_one_line() -> None:
+    counts_once("space", AskScript)
 
 
 def test_every_command_of_scripts_has_a_key() -> None:

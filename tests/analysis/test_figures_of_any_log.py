@@ -13,13 +13,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.analysis.example_sessions import STEM, figures_of, timeline_drawing
+from tests.analysis.html.pages import render
 from tests.protocol.examples import messages as examples
 from woz_tui.analysis import figures_json
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.event_rows import CUE_RESULTS
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.html.report_page import render
 from woz_tui.analysis.measures import TIMES_OF_FEATURES
 from woz_tui.analysis.methods_section import paragraphs
 from woz_tui.analysis.session_reading import (

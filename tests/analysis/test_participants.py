@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from tests.analysis.example_sessions import SECOND, STEM, ExampleSession, figures_of, in_time
+from tests.analysis.html.pages import render
 from woz_tui.analysis import figures_json
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.html.report_page import render
 from woz_tui.analysis.methods_section import paragraphs
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.session_reading import ReportExtras, read_report

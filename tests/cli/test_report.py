@@ -262,6 +262,26 @@ def test_everything_at_once_in_files(here: Path, capsys: pytest.CaptureFixture[s
     assert "P01" in (here / "page.html").read_text(encoding="utf-8")
 
 
+def test_sessions_can_be_beside_the_page(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    study(here / "logs")
+    code, _, err = run_report(
+        capsys, "report", "logs", "--html", "page.html", "--sessions", "beside"
+    )
+    assert (code, err) == (0, ["woz report: wrote page.html"])
+    logs = {path.stem for path in (here / "logs").glob("*.jsonl")}
+    assert {path.stem for path in (here / "page.sessions").iterdir()} == logs
+
+
+def test_json_has_each_session_on_a_line(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    study(here / "logs")
+    _, out, _ = run_report(capsys, "report", "logs", "--json")
+    lines = out.splitlines()
+    assert len(lines) == 5
+    assert [line.count('"session": "S') > 0 for line in lines] == [True] * 4 + [False]
+    _, out, _ = run_report(capsys, "report", "nowhere.jsonl", "--json")
+    assert json.loads(out)["sessions"] == []
+
+
 def test_no_page_is_written_of_nothing(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (here / "page.html").write_text("the page of yesterday", encoding="utf-8")
     code, _, err = run_report(capsys, "report", "nowhere.jsonl", "--html", "page.html")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +18,8 @@ from woz_tui.cli.safe_streams import json_text
 if TYPE_CHECKING:
     from woz_tui.analysis.csv_package import TableFiles
     from woz_tui.analysis.figure_counting import FigureOptions
+    from woz_tui.analysis.figures import SessionFigures
+    from woz_tui.analysis.html.report_page import ReportPage
     from woz_tui.analysis.participant_groups import GroupedSessions
     from woz_tui.analysis.session_reading import ReportExtras, SessionReport
 
@@ -39,6 +41,12 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="with --csv: as a spreadsheet in this language opens them by a double click",
     )
     parser.add_argument("--html", type=Path, metavar="FILE", help="write one self-contained page")
+    parser.add_argument(
+        "--sessions",
+        choices=("inside", "beside"),
+        help="with --html: sessions on the page itself, or each on a page of its own in a folder "
+        "beside it (default: beside if there are more than 50)",
+    )
     parser.add_argument("--json", action="store_true", help="one JSON object, for programs")
     parser.add_argument(
         "--verify",
@@ -89,7 +97,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _report(arguments: argparse.Namespace) -> int:
-    from woz_tui.analysis import figures_json  # noqa: PLC0415
     from woz_tui.analysis.csv_package import table_files  # noqa: PLC0415
     from woz_tui.analysis.participant_groups import GroupedSessions  # noqa: PLC0415
 
@@ -98,35 +105,45 @@ def _report(arguments: argparse.Namespace) -> int:
         return 1
     reading = SessionReader(arguments)
     grouped = GroupedSessions()
-    kept: list[SessionReport] = []
-    sessions: list[object] = []
+    alone: SessionReport | None = None
     try:
         with ExitStack() as opened:
             files: TableFiles | None = None
+            page: ReportPage | None = None
+            output = JsonOutput() if arguments.json else None
             for report in reading.reports(_extras(arguments, len(reading.paths))):
                 grouped.add(report.figures)
-                if arguments.csv:  # opened late: of no session, older ones are not emptied
+                # Files are opened late: of no session, older ones are not emptied.
+                if arguments.csv:
                     csv_format = SPREADSHEETS.get(arguments.spreadsheet, PLAIN)
                     files = files or opened.enter_context(table_files(arguments.csv, csv_format))
                     for sentence in files.add(report.figures):
                         print(f"woz report: {sentence}", file=sys.stderr)
-                if arguments.json:
-                    sessions.append(figures_json.plain(report.figures))
-                if arguments.html or len(reading.paths) == 1:
-                    kept.append(report)
-        if arguments.html and kept:
-            from woz_tui.analysis.html.report_page import write  # noqa: PLC0415
-
-            write(kept, arguments.html)
+                if output:
+                    output.add(report.figures)
+                if arguments.html:
+                    page = page or opened.enter_context(_page(arguments, grouped, reading))
+                    page.add(report)
+                if len(reading.paths) == 1:
+                    alone = report
+            if output:
+                output.end(grouped, reading.problems)
     except OSError as error:
         print(f"woz report: {os_error_text(error)}", file=sys.stderr)
         return 1
-    if arguments.json:
-        _print_json(sessions, grouped, reading.problems)
-    elif (kept or grouped.sessions) and not arguments.html:
-        _print(arguments, grouped, kept, len(reading.paths))
+    if not (arguments.json or arguments.html) and grouped.sessions:
+        _print(arguments, grouped, alone)
     _print_written(arguments, nothing=not grouped.sessions)
     return reading.print_problems("woz report")
+
+
+def _page(
+    arguments: argparse.Namespace, grouped: GroupedSessions, reading: SessionReader
+) -> AbstractContextManager[ReportPage]:
+    from woz_tui.analysis.html.report_page import writing  # noqa: PLC0415
+
+    beside = {"beside": True, "inside": False}.get(arguments.sessions)
+    return writing(arguments.html, grouped, len(reading.paths), beside=beside)
 
 
 def _print_written(arguments: argparse.Namespace, *, nothing: bool) -> None:
@@ -190,31 +207,43 @@ def _extras(arguments: argparse.Namespace, sessions: int) -> ReportExtras:
     )
 
 
-def _print_json(sessions: list[object], grouped: GroupedSessions, problems: list[str]) -> None:
-    from woz_tui.analysis import figures_json  # noqa: PLC0415
+class JsonOutput:
+    """One JSON object on standard output, written session by session: one a line."""
 
-    found = {
-        "sessions": sessions,
-        "experiments": figures_json.grouped(grouped),
-        **figures_json.apart(grouped),
-        "problems": problems,
-    }
-    print(json_text(found, allow_nan=False))
+    def __init__(self) -> None:
+        self._before = '{"sessions": ['
+
+    def add(self, figures: SessionFigures) -> None:
+        """Print the next session."""
+        from woz_tui.analysis import figures_json  # noqa: PLC0415
+
+        print(self._before + json_text(figures_json.plain(figures), allow_nan=False), end="")
+        self._before = ",\n"
+
+    def end(self, grouped: GroupedSessions, problems: list[str]) -> None:
+        """Print what there is to be said of all of them."""
+        from woz_tui.analysis import figures_json  # noqa: PLC0415
+
+        found = {
+            "experiments": figures_json.grouped(grouped),
+            **figures_json.apart(grouped),
+            "problems": problems,
+        }
+        if self._before != ",\n":
+            print(self._before, end="")
+        print("],\n" + json_text(found, allow_nan=False).removeprefix("{"))
 
 
 def _print(
-    arguments: argparse.Namespace,
-    grouped: GroupedSessions,
-    kept: list[SessionReport],
-    sessions: int,
+    arguments: argparse.Namespace, grouped: GroupedSessions, alone: SessionReport | None
 ) -> None:
     from woz_tui.cli import report_sessions as terminal  # noqa: PLC0415
     from woz_tui.cli.report_layout import report_page  # noqa: PLC0415
 
     page = report_page()
     if page.console.is_terminal and not arguments.all:
-        terminal.show_summary(page, grouped, kept[0] if sessions == 1 and kept else None)
-    elif sessions == 1 and kept:
-        terminal.show_session(page, kept[0], sys.maxsize if arguments.all else terminal.TOP)
+        terminal.show_summary(page, grouped, alone)
+    elif alone is not None:
+        terminal.show_session(page, alone, sys.maxsize if arguments.all else terminal.TOP)
     else:
         terminal.show_sessions(page, grouped)

@@ -12,7 +12,7 @@ import os
 import secrets
 import stat
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from io import BufferedReader
 from pathlib import Path
 
@@ -40,8 +40,11 @@ def _unblocked(path: str, flags: int) -> int:
 
 
 @contextlib.contextmanager
-def replacing(path: Path, text: str, *, mode: int | None = None) -> Iterator[Path]:
-    """Put `text` into a file beside `path`, on the disk; it takes that place when the block ends.
+def replacing(
+    path: Path, text: str | Iterable[str], *, mode: int | None = None, durable: bool = True
+) -> Iterator[Path]:
+    """Put `text` (or its pieces) into a file beside `path`, on the disk (unless it need not be
+    `durable`); it takes that place when the block ends.
 
     The block gets the fresh file, to look at it; if it raises, all stays as it was. A file that is
     replaced hands its permissions on, unless `mode` says otherwise: then there is no moment in
@@ -51,9 +54,10 @@ def replacing(path: Path, text: str, *, mode: int | None = None) -> Iterator[Pat
     try:
         fresh.touch(0o666 if mode is None else mode, exist_ok=False)
         with fresh.open("w", encoding="utf-8") as file:
-            file.write(text)
+            file.writelines((text,) if isinstance(text, str) else text)
             file.flush()
-            os.fsync(file.fileno())
+            if durable:
+                os.fsync(file.fileno())
         if mode is not None:
             fresh.chmod(mode)
         elif path.exists():
@@ -65,9 +69,11 @@ def replacing(path: Path, text: str, *, mode: int | None = None) -> Iterator[Pat
             fresh.unlink(missing_ok=True)
 
 
-def replace(path: Path, text: str, *, mode: int | None = None) -> None:
+def replace(
+    path: Path, text: str | Iterable[str], *, mode: int | None = None, durable: bool = True
+) -> None:
     """`replacing` for who has nothing to look at."""
-    with replacing(path, text, mode=mode):
+    with replacing(path, text, mode=mode, durable=durable):
         pass
 
 

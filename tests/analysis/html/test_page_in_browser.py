@@ -158,7 +158,7 @@ def test_without_javascript_long_lists_say_what_they_leave_out(
 
 def test_many_sessions_are_drawn_when_they_are_opened(page: Page, tmp_path: Path) -> None:
     report = ordinary().report(tmp_path)
-    write([report] * 100, tmp_path / "report.html")
+    write([report] * 100, tmp_path / "report.html", beside=False)
     page.open(tmp_path / "report.html")
     assert len(page.all("section.session")) == 100
     assert len(page.all(".strips .strip")) == 101
@@ -175,6 +175,20 @@ def test_many_sessions_are_drawn_when_they_are_opened(page: Page, tmp_path: Path
     page.until(lambda: page.run("return location.hash") == "#session-98&t=30-90")
     page.one("#session-98 .events tbody tr a").click()
     page.until(lambda: page.run("return location.hash").startswith("#session-98&t=0-"))
+    assert page.complaints() == []
+
+
+def test_sessions_beside_the_page_are_pages_that_lead_back(page: Page, tmp_path: Path) -> None:
+    stories = [ordinary(f"P{number:02}", "warm", f"S{number:02}") for number in (1, 2, 3)]
+    write([each.report(tmp_path) for each in stories], tmp_path / "all of it.html", beside=True)
+    page.open(tmp_path / "all of it.html")
+    assert len(page.all("table.sortable tbody tr")) == 3
+    assert page.all("section.session") == []
+    page.one("table.sortable tbody tr:nth-child(2) a").click()
+    page.until(lambda: page.visible(".plot") == 1)
+    assert "P02" in page.text("h2")
+    page.one("a[href='../all%20of%20it.html']").click()
+    page.until(lambda: page.visible("table.sortable") == 1)
     assert page.complaints() == []
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import gc
 import hashlib
 import json
 import re
@@ -14,10 +15,14 @@ from typing import Any
 
 import pytest
 
+from tests.analysis.html.pages import render
 from tests.analysis.html.sessions import SessionLogBuilder, hostile, ordinary
-from woz_tui.analysis.html.report_page import render, write
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.html import report_page as page_module
+from woz_tui.analysis.html.report_page import write, writing
 from woz_tui.analysis.html.timeline_styles import SORTS
-from woz_tui.analysis.session_reading import read_report
+from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.analysis.session_reading import ReportExtras, read_report
 from woz_tui.protocol import messages as m
 
 ASSETS = files("woz_tui.analysis.html") / "assets"
@@ -259,6 +264,63 @@ def test_writing_leaves_one_file(tmp_path: Path) -> None:
     write([report], tmp_path / "report.html")
     write([report], tmp_path / "report.html")
     assert sorted(one.name for one in tmp_path.iterdir()) == ["logs", "report.html"]
+
+
+def test_beside_the_page_each_session_has_one_of_its_own(tmp_path: Path) -> None:
+    stories = [ordinary(f"P{number:02}", "warm", f"S{number:02}") for number in range(1, 4)]
+    reports = [story.report(tmp_path) for story in stories]
+    write([*reports, reports[0]], tmp_path / "report.html", beside=True)
+    page = Structure((tmp_path / "report.html").read_text())
+    assert [each for each in page.all("section") if each.get("class") == "session"] == []
+    linked = {str(each["href"]) for each in page.all("a") if not str(each["href"]).startswith("#")}
+    assert len(linked) == 4  # the copy has another name
+    for name in linked:
+        written = (tmp_path / name).read_text()
+        assert Structure(written).open == []
+        assert len(data(written, 1)["lanes"]) > 5
+        assert 'href="../report.html"' in written
+        assert (tmp_path / name).stat().st_mode & 0o777 == 0o600
+    assert (tmp_path / "report.sessions").stat().st_mode & 0o777 == 0o700
+
+
+def test_a_page_of_a_session_that_is_reported_no_more_is_removed(tmp_path: Path) -> None:
+    stories = [ordinary(f"P{number:02}", "warm", f"S{number:02}") for number in range(1, 4)]
+    reports = [story.report(tmp_path) for story in stories]
+    write(reports, tmp_path / "report.html", beside=True)
+    folder = tmp_path / "report.sessions"
+    (folder / "of-somebody-else.html").write_text("<title>Notes</title>")
+    write(reports[:2], tmp_path / "report.html", beside=True)
+    assert sorted(path.name for path in folder.iterdir()) == [
+        f"{reports[0].figures.stem}.html",
+        f"{reports[1].figures.stem}.html",
+        "of-somebody-else.html",
+    ]
+
+
+def test_above_a_number_of_sessions_they_are_beside_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(page_module, "INSIDE", 1)
+    report = SessionLogBuilder().report(tmp_path)
+    write([report], tmp_path / "one.html")
+    assert not (tmp_path / "one.sessions").exists()
+    write([report, report], tmp_path / "two.html")
+    assert len(list((tmp_path / "two.sessions").iterdir())) == 2
+
+
+@pytest.mark.parametrize("beside", [True, False])
+def test_sessions_are_not_kept_while_a_page_is_written(tmp_path: Path, beside: bool) -> None:
+    path = ordinary().write(tmp_path)
+    grouped = GroupedSessions()
+    kept = []
+    with writing(tmp_path / "report.html", grouped, 5, beside=beside) as page:
+        for _ in range(5):
+            report = read_report(path, extras=ReportExtras(timeline=True))
+            grouped.add(report.figures)
+            page.add(report)
+            del report
+            kept.append(sum(type(each) is SessionFigures for each in gc.get_objects()))
+    assert kept == [1, 0, 0, 0, 0]  # the first one waits: maybe it is alone
 
 
 @pytest.mark.parametrize("years", [100, 70_000])

@@ -7,13 +7,13 @@ import re
 from pathlib import Path
 
 from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time
+from tests.analysis.html.pages import render
 from tests.analysis.html.sessions import SessionLogBuilder, ordinary
 from tests.export.export_runs import export_logs
 from tests.export.logs import session_of, start, write
 from woz_tui.analysis import figures_json
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.html.report_page import render
 from woz_tui.analysis.methods_section import paragraphs
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.report_tables import circumstances

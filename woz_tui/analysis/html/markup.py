@@ -8,7 +8,7 @@ from __future__ import annotations
 import html
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TypeAlias
 
 #: What HTML has no place for: control characters but tab and newline, halves of pairs.
@@ -56,15 +56,16 @@ def tag(name: str, *children: Child, **attributes: Attribute) -> Markup:
 
 def joined(*children: Child) -> Markup:
     """All children, one after the other."""
-    return Markup("".join(_flat(children)))
+    return Markup("".join(pieces(children)))
 
 
-def _flat(children: Iterable[Child]) -> Iterable[str]:
+def pieces(children: Iterable[Child]) -> Iterator[str]:
+    """The same, one at a time: for what is too large to be held at once."""
     for child in children:
         if isinstance(child, str):
             yield escaped(child)
         elif child is not None:
-            yield from _flat(child)
+            yield from pieces(child)
 
 
 def _attribute(key: str, value: Attribute) -> str:

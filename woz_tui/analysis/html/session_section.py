@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from woz_tui.analysis import report_tables as tables
@@ -43,6 +43,14 @@ class SessionEntry:
     lanes: list[TimelineRow]
     alone: bool
 
+    @classmethod
+    def of(
+        cls, report: SessionReport, name: str = "session-1", *, alone: bool = False
+    ) -> SessionEntry:
+        """A report; one without a timeline gets an empty one."""
+        timeline = report.timeline or TimelineDrawing(report.figures.duration_us)
+        return cls(name, report, timeline, rows(timeline), alone)
+
     @property
     def figures(self) -> SessionFigures:
         """The report's figures."""
@@ -58,16 +66,6 @@ class SessionEntry:
     def events(self) -> int:
         """How many items its timeline has."""
         return sum(len(row.items) for row in self.lanes)
-
-
-def entries(reports: Sequence[SessionReport]) -> list[SessionEntry]:
-    """All reports, numbered from 1; a report without a timeline gets an empty one."""
-    found = []
-    for number, report in enumerate(reports, 1):
-        timeline = report.timeline or TimelineDrawing(report.figures.duration_us)
-        lanes = rows(timeline)
-        found.append(SessionEntry(f"session-{number}", report, timeline, lanes, len(reports) == 1))
-    return found
 
 
 def section(entry: SessionEntry, *, every_event: bool) -> Markup:

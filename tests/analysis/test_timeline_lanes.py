@@ -91,9 +91,10 @@ def test_a_curve_is_a_mean_of_what_falls_together() -> None:
     for t, value in ((0, 1.0), (10_000, 3.0), (60_000, 5.0)):
         curves.add(m.Reading(t=t, sensor="distance", value=value))
     curves.add(m.Reading(t=70_000, sensor="distance", value=None))
-    curves.add(m.Reading(t=70_000, sensor="gaze", value=1.0))
     [curve] = curves
     assert curve.values == pytest.approx((2.0, 5.0))
+    taken = [name for name in ("left.distance", "gaze", "distance") if curves.takes(name)]
+    assert taken == ["left.distance", "distance"]
 
 
 def switched(run: str) -> m.Done:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from woz_tui.analysis.figures import AddressedRow, PeopleRow
 from woz_tui.protocol import messages as m
@@ -28,16 +28,27 @@ class PeopleTimes:
         self._now_us = 0
 
     def add(self, message: m.Message) -> None:
-        """The next message."""
-        self._now_us = max(self._now_us, message.t)
-        match message:
-            case m.AddressedChanged():
-                self._end(message.driver)
-                self._addressed[message.driver] = message
-            case m.Reading(value=float(face), text=name) if name and _is(message.sensor, NAME):
-                self._names[message.driver, round(face)] = name
-            case m.Reading() if _is(message.sensor, PEOPLE):
-                self._count(message)
+        """The next message; readings of sensors that nobody `takes` may be left out."""
+        self.now(message.t)
+        if isinstance(message, m.AddressedChanged):
+            self._end(message.driver)
+            self._addressed[message.driver] = message
+        elif isinstance(message, m.Reading) and (take := self.takes(message.sensor)):
+            take(message)
+
+    def now(self, t: int) -> None:
+        """The session went on at least to this moment."""
+        self._now_us = max(self._now_us, t)
+
+    def takes(self, sensor: str) -> Callable[[m.Reading], None] | None:
+        """What takes the readings of a sensor; None: nothing does."""
+        if _is(sensor, NAME):
+            return self._name
+        return self._count if _is(sensor, PEOPLE) else None
+
+    def _name(self, sample: m.Reading) -> None:
+        if sample.text and sample.value is not None:
+            self._names[sample.driver, round(sample.value)] = sample.text
 
     def _count(self, sample: m.Reading) -> None:
         before = self._last.pop(sample.sensor, None)

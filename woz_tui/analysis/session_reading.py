@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -163,6 +163,27 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
+class _Readings:
+    """Gives each reading to those that take its sensor: most of a log are of sensors that nobody
+    asks for.
+    """
+
+    def __init__(self, *takers: Callable[[str], Callable[[Reading], None] | None]) -> None:
+        self._takers = takers
+        self._of: dict[str, list[Callable[[Reading], None]]] = {}
+        self.latest_us = -1
+
+    def add(self, sample: Reading) -> None:
+        """The next reading."""
+        self.latest_us = max(self.latest_us, sample.t)
+        found = self._of.get(sample.sensor)
+        if found is None:
+            named = (taker(sample.sensor) for taker in self._takers)
+            found = self._of[sample.sensor] = [take for take in named if take is not None]
+        for take in found:
+            take(sample)
+
+
 def _read_report(
     path: Path, options: FigureOptions, extras: ReportExtras, places: Iterable[Path] | None
 ) -> SessionReport:
@@ -170,19 +191,24 @@ def _read_report(
     timeline, curves, line_count = Timeline(), SensorCurves(), LineCount()
     people = PeopleTimes()
     samples = extras.curves or extras.people
+    readings = _Readings(people.takes, curves.takes)
     lines, some = 0, False
     for message in messages(path, damage, places=places, samples=samples):
+        if type(message) is Reading:
+            readings.add(message)
+            continue
         line_count.add(message)
         if isinstance(message, LogLine):
             lines += not message.sample
             continue
         some = True
-        lines += not is_sample(message)
+        people.now(readings.latest_us)
         people.add(message)
-        if is_sample(message):
-            curves.add(message)  # a session lasts from its first to its last line of actions
-        else:
-            timeline.apply(message)
+        if not is_sample(message):
+            lines += 1
+            timeline.apply(message)  # a session lasts from its first to its last line of actions
+    some = some or readings.latest_us >= 0
+    people.now(readings.latest_us)
     if not some:
         raise NoSessionError(f"{path}: {'; '.join(damage.sentences()) or 'it contains no session'}")
     timeline.finish()

@@ -310,10 +310,12 @@ class SensorCurves:
         self.t = 0
         self._sensors: dict[str, _Thinned] = {}
 
-    def add(self, sample: m.Message) -> None:
-        """The next sample."""
-        if not isinstance(sample, m.Reading) or sample.sensor.rpartition(".")[2] not in CURVES:
-            return
+    def takes(self, sensor: str) -> Callable[[m.Reading], None] | None:
+        """What takes the readings of a sensor; None: it is not drawn."""
+        return self.add if sensor.rpartition(".")[2] in CURVES else None
+
+    def add(self, sample: m.Reading) -> None:
+        """The next reading of a sensor that is drawn."""
         if self.t < sample.t < LATEST_TIME:
             self.t = sample.t
         found = self._sensors.get(sample.sensor)

@@ -9,12 +9,15 @@ import html
 import json
 import re
 from collections.abc import Iterable, Iterator
+from functools import cache
 from typing import TypeAlias
 
 #: What HTML has no place for: control characters but tab and newline, halves of pairs.
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 _HALVES = re.compile("[\ud800-\udfff]")
 _SEPARATORS = re.compile("[\u2028\u2029]")
+#: All that is not written as it stands.
+_SPECIAL = re.compile(f"[&<>\"'{_UNPRINTABLE.pattern[1:-1]}{_SEPARATORS.pattern[1:-1]}]")
 #: Elements without content or end.
 _VOID = frozenset({"br", "col", "hr", "input", "link", "meta"})
 
@@ -41,22 +44,41 @@ def clean(text: str) -> str:
 
 def escaped(text: str) -> Markup:
     """`text` as the content of an element, or of a quoted attribute."""
-    return text if isinstance(text, Markup) else Markup(html.escape(clean(text)))
+    if isinstance(text, Markup):
+        return text
+    # Most texts of a page are words and numbers: one look at each is enough.
+    return Markup(html.escape(clean(text)) if _SPECIAL.search(text) else text)
 
 
 def tag(name: str, *children: Child, **attributes: Attribute) -> Markup:
     """An element. None and False leave an attribute out, True gives it no value; `class_` is
     `class`, and `data_number` is `data-number`.
     """
-    written = "".join(_attribute(key, value) for key, value in attributes.items())
-    if name in _VOID:
-        return Markup(f"<{name}{written}>")
-    return Markup(f"<{name}{written}>{joined(*children)}</{name}>")
+    parts = [f"<{name}"]
+    for key, value in attributes.items():
+        if value is not None and value is not False:
+            parts.append(_attribute(key, value))
+    parts.append(">")
+    if name not in _VOID:
+        _gather(children, parts)
+        parts.append(f"</{name}>")
+    return Markup("".join(parts))
 
 
 def joined(*children: Child) -> Markup:
     """All children, one after the other."""
-    return Markup("".join(pieces(children)))
+    parts: list[str] = []
+    _gather(children, parts)
+    return Markup("".join(parts))
+
+
+def _gather(children: Iterable[Child], parts: list[str]) -> None:
+    """As `pieces`, into a list: a page has so many elements that this is worth it."""
+    for child in children:
+        if isinstance(child, str):
+            parts.append(escaped(child))
+        elif child is not None:
+            _gather(child, parts)
 
 
 def pieces(children: Iterable[Child]) -> Iterator[str]:
@@ -68,13 +90,16 @@ def pieces(children: Iterable[Child]) -> Iterator[str]:
             yield from pieces(child)
 
 
-def _attribute(key: str, value: Attribute) -> str:
-    if value is None or value is False:
-        return ""
-    name = key.rstrip("_").replace("_", "-")
+def _attribute(key: str, value: str | float | bool) -> str:
+    name = _attribute_name(key)
     if value is True:
         return f" {name}"
-    return f' {name}="{escaped(value if isinstance(value, str) else short(value))}"'
+    return f' {name}="{escaped(value) if isinstance(value, str) else short(value)}"'
+
+
+@cache
+def _attribute_name(key: str) -> str:
+    return key.rstrip("_").replace("_", "-")
 
 
 def short(number: float) -> str:

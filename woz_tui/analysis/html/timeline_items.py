@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
@@ -156,9 +156,9 @@ def thinned(curve: SensorCurve, limit: int = POINTS) -> list[tuple[int, float | 
     times = -(-len(curve.values) // limit) or 1
     step = curve.step_us * times
     means = [
-        (place // times * step, mean)
-        for place in range(0, len(curve.values), times)
-        if (mean := _mean(curve.values[place : place + times])) is not None
+        (place * step, float(f"{mean:.4g}"))
+        for place, mean in enumerate(_means(curve.values, times))
+        if mean is not None
     ]
     gaps = [after[0] - before[0] for before, after in pairwise(means)]
     longest = max(_PAUSE, 4 * median(gaps)) if gaps else 0
@@ -170,9 +170,13 @@ def thinned(curve: SensorCurve, limit: int = POINTS) -> list[tuple[int, float | 
     return points
 
 
-def _mean(values: Sequence[float | None]) -> float | None:
-    there = [value for value in values if value is not None]
-    return float(f"{sum(there) / len(there):.4g}") if there else None
+def _means(values: Sequence[float | None], times: int) -> Iterable[float | None]:
+    """Of so many values each."""
+    if times == 1:
+        return values
+    parts = (values[place : place + times] for place in range(0, len(values), times))
+    there = ([value for value in part if value is not None] for part in parts)
+    return (sum(part) / len(part) if part else None for part in there)
 
 
 def curve_range(points: Sequence[tuple[int, float | None]]) -> tuple[float, float] | None:

@@ -154,18 +154,19 @@ def _curve(curve: SensorCurve, scale: PictureScale, y: float) -> Markup | None:
     if span is None:
         return None
     low, high = span
-    path, command = "", "M"
+    path, command, per_value = [], "M", (CURVE - 4) / ((high - low) or 1)
     for t, number in points:
         if number is None:
             command = "M"
             continue
-        up = y + CURVE - 2 - (number - low) / ((high - low) or 1) * (CURVE - 4)
+        up = y + CURVE - 2 - (number - low) * per_value
         # A line of no length makes a value that stands alone a dot.
-        path += f"{command}{short(scale.x(t))} {short(up)}" + ("h0" if command == "M" else "")
+        dot = "h0" if command == "M" else ""
+        path.append(f"{command}{short(scale.x(t))} {short(up)}{dot}")
         command = "L"
     right = WIDTH - RIGHT - 3
     return joined(
-        tag("path", d=path, class_="curve"),
+        tag("path", d="".join(path), class_="curve"),
         tag("text", f"{high:.3g} {curve.unit}", x=right, y=y + 7, class_="axis"),
         tag("text", f"{low:.3g} {curve.unit}", x=right, y=y + CURVE - 5, class_="axis"),
     )

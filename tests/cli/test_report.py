@@ -282,6 +282,20 @@ def test_json_has_each_session_on_a_line(here: Path, capsys: pytest.CaptureFixtu
     assert json.loads(out)["sessions"] == []
 
 
+def test_figures_are_kept_until_somebody_wants_them_anew(
+    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(here / "cache"))
+    study(here / "logs")
+    first = run_report(capsys, "report", "logs", "--json")
+    kept = {path: path.stat().st_mtime_ns for path in (here / "cache").rglob("*.figures")}
+    assert len(kept) == 4
+    assert run_report(capsys, "report", "logs", "--json") == first
+    assert {path: path.stat().st_mtime_ns for path in kept} == kept
+    assert run_report(capsys, "report", "logs", "--json", "--anew") == first
+    assert kept.items().isdisjoint((path, path.stat().st_mtime_ns) for path in kept)
+
+
 def test_no_page_is_written_of_nothing(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (here / "page.html").write_text("the page of yesterday", encoding="utf-8")
     code, _, err = run_report(capsys, "report", "nowhere.jsonl", "--html", "page.html")

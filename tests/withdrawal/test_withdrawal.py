@@ -22,6 +22,7 @@ from tests.analysis.example_sessions import ExampleSession
 from tests.export.logs import Timed, start, write
 from tests.log.recorder_rig import recorder_rig
 from tests.session.rig import SessionRig
+from woz_tui.analysis.kept_figures import KeptFigures, figures_folder
 from woz_tui.analysis.session_reading import NO_EXTRAS, read_report
 from woz_tui.cli import main
 from woz_tui.drivers.face_store import FaceStore, default_path
@@ -161,6 +162,15 @@ def test_a_session_of_one_person_goes_with_all_beside_it(
     assert taken_out(folder) == 0
     assert everything(folder) == {"2026-03-02T10-00-00_P08_S02.jsonl": kept}
     assert not media.exists()
+
+
+def test_figures_that_were_kept_go(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(folder.parent / "cache"))
+    log = two_people(folder)
+    KeptFigures().report(log)
+    assert len(list(figures_folder().iterdir())) == 1
+    assert taken_out(folder) == 0
+    assert list(figures_folder().iterdir()) == []
 
 
 def test_a_session_that_still_runs_is_refused(

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -87,6 +88,11 @@ def add_sessions(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="also what happened in trials that do not count: aborted, excluded, practice, cut off",
     )
+    parser.add_argument(
+        "--anew",
+        action="store_true",
+        help="read all logs anew; figures that were kept of logs read before are forgotten",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -164,19 +170,29 @@ class SessionReader:
 
     def reports(self, extras: ReportExtras) -> Iterator[SessionReport]:
         """Reads one session after the other; only one is in memory at a time."""
-        from woz_tui.analysis.session_reading import read_report  # noqa: PLC0415
-
-        options = options_of(self._arguments)
+        read = self._way_of_reading(extras)
         with progress() as show:
             for number, path in enumerate(self.paths, 1):
                 show(f"Reading session {number} of {len(self.paths)}: {path.name}")
                 try:
-                    report = read_report(path, options, extras)
+                    report = read(path)
                 except (OSError, ValueError) as error:
                     reason = os_error_text(error) if isinstance(error, OSError) else str(error)
                     self.problems.append(reason)
                     continue
                 yield report
+
+    def _way_of_reading(self, extras: ReportExtras) -> Callable[[Path], SessionReport]:
+        """Of many sessions the figures may be those that were kept when they were read before."""
+        from woz_tui.analysis.kept_figures import KeptFigures, forget_all, forget_lost  # noqa: PLC0415
+        from woz_tui.analysis.session_reading import NO_EXTRAS, read_report  # noqa: PLC0415
+
+        options = options_of(self._arguments)
+        (forget_all if self._arguments.anew else forget_lost)()
+        if extras == NO_EXTRAS and len(self.paths) > 1:
+            with suppress(RuntimeError):  # no home, nothing kept
+                return KeptFigures(options).report
+        return partial(read_report, options=options, extras=extras)
 
     def print_problems(self, command: str) -> int:
         """Print what was wrong; returns the exit code."""

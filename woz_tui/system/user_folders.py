@@ -36,5 +36,14 @@ def state_folder() -> Path:
     """`$XDG_STATE_HOME` if that is absolute, else `~/.local/state`. Raises `RuntimeError` if there
     is no home.
     """
-    configured = Path(os.environ.get("XDG_STATE_HOME", ""))
-    return configured if configured.is_absolute() else Path.home() / ".local" / "state"
+    return _folder("XDG_STATE_HOME", ".local/state")
+
+
+def cache_folder() -> Path:
+    """The same of what can be made anew: `$XDG_CACHE_HOME`, else `~/.cache`."""
+    return _folder("XDG_CACHE_HOME", ".cache")
+
+
+def _folder(variable: str, below_home: str) -> Path:
+    configured = Path(os.environ.get(variable, ""))
+    return configured if configured.is_absolute() else Path.home() / below_home

@@ -18,6 +18,7 @@ from pathlib import Path
 import msgspec
 
 from woz_tui import __version__
+from woz_tui.analysis.kept_figures import forget_all
 from woz_tui.drivers.contract import DriverError
 from woz_tui.drivers.face_store import FaceStore
 from woz_tui.export.output_folder import README, SIGN, files_listed, files_section
@@ -271,6 +272,7 @@ def _go_through(steps: _Steps, home: Path) -> None:
     for recorded in steps.recorded_in:
         if steps.record is not None:
             add_withdrawal(Path(recorded), steps.record)
+    forget_all()  # nobody knows whose figures are in which file
     for folder in sorted(folders, reverse=True):
         _leave(folder, home)
     (home / JOURNAL).unlink()

@@ -41,7 +41,7 @@ TABLES: dict[str, tuple[str, ...]] = {
     "motion_rate": ("robot process", "in the console's process", "bare loop"),
     "engagement_filters": ("The paper's Table 1", "goals"),
     "engagement_sample": ("bare queues", "the model, joint", "lines, fifo"),
-    "report": ("json.loads on every line", "woz report --csv", "woz methods"),
+    "report": ("json.loads on every line", "woz report again", "woz report --html", "woz methods"),
     "pepper_faults": ("killed", "frozen", "cut", "late unforeseen"),
     "pepper_latency": ("idle: woz", "polling: woz"),
     "log_append": ("write + fdatasync", "worst lag of the recorder"),

@@ -1,11 +1,13 @@
-"""How long a report of many sessions takes, and what memory, beside reading their lines as JSON.
+"""What a report of many sessions costs, and its page and exports, beside reading lines as JSON:
+seconds, memory, and processor time as a ratio to `woz report`.
 
-    python benchmarks/report.py [--sessions 100] [--quick]
+    python benchmarks/report.py [--sessions 100] [--short] [--quick]
 
 Sessions of 20 to 60 minutes are written: requests, commands and their ends, engagement, speech,
-marks and notes, and a file of samples beside each, which a report does not open. Each way runs in a
-process of its own, in turns, so that all meet the same machine and the highest memory is its own.
-The floor is `json.loads` on every line of actions, and nothing done with it.
+marks and notes, and a file of samples beside each, which only a page opens. `--short`: copies of
+`recordings/sample.jsonl` instead, a minute with four sensors. Each way runs in a process of its
+own, in turns, so that all meet the same machine and the highest memory is its own. The floor is
+`json.loads` on every line of actions, and nothing done with it.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import argparse
 import json
 import os
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -29,8 +32,12 @@ from woz_tui.config.engagement_words import STATES
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 
-#: Seconds that a hundred sessions may take.
+#: Seconds that a report of a hundred sessions may take.
 GOAL_S = 5.0
+#: Megabytes that every way may take, however many sessions there are; of the main page, and how
+#: many times the processor time of `woz report` a way may take.
+GOAL_MB, GOAL_PAGE_MB = 64, 5.0
+GOAL_RATIOS = {"woz report --html": 3.5, "woz report again": 0.6}
 SECOND = 1_000_000
 TURNS = 5
 HERE = Path(__file__).resolve()
@@ -39,9 +46,10 @@ CONDITIONS = ("cold", "warm")
 
 @dataclass(frozen=True)
 class Run:
-    """One process: seconds from its start to its end, highest memory in MB."""
+    """One process: seconds from its start to its end, of the processor, highest memory in MB."""
 
     seconds: float
+    cpu: float
     megabytes: float
 
 
@@ -62,6 +70,23 @@ def write_sessions(folder: Path, count: int) -> int:
         (folder / f"{stem}.samples.jsonl").write_bytes(codec.encode(sample) * 1000)
         total += len(lines)
     return total
+
+
+def write_copies(folder: Path, count: int) -> int:
+    """The same of copies of the sample."""
+    sample = HERE.parents[1] / "recordings" / "sample.jsonl"
+    first, _, rest = sample.read_bytes().partition(b"\n")
+    begin = codec.decode_message(first)
+    assert isinstance(begin, m.SessionStart)
+    samples = sample.with_suffix(".samples.jsonl").read_bytes()
+    for number in range(count):
+        who, session = f"P{number + 1:03d}", f"S{number + 1:03d}"
+        stem = f"2026-03-01T10-00-00_{who}_{session}"
+        condition = CONDITIONS[number % 2]
+        own = msgspec.structs.replace(begin, participant=who, session=session, condition=condition)
+        (folder / f"{stem}.jsonl").write_bytes(codec.encode(own) + rest)
+        (folder / f"{stem}.samples.jsonl").write_bytes(samples)
+    return count * (rest.count(b"\n") + 1)
 
 
 def _session(
@@ -131,15 +156,30 @@ def floor(folder: Path) -> None:
                     json.loads(line)
 
 
+REPORT = "woz report"
+
+
 def ways(folder: Path) -> dict[str, list[str]]:
     """By name, the program that is timed."""
-    woz = [sys.executable, "-m", "woz_tui", "report", str(folder)]
+    woz, out = [sys.executable, "-m", "woz_tui"], folder.parent / f"{folder.name}-out"
+    report = [*woz, "report", str(folder)]
+    export = [*woz, "export", str(folder)]
     return {
         "json.loads on every line": [sys.executable, str(HERE), "--floor", str(folder)],
-        "woz report": woz,
-        "woz report --csv": [*woz, "--csv", str(folder / "csv")],
-        "woz methods": [sys.executable, "-m", "woz_tui", "methods", str(folder)],
+        REPORT: [*report, "--anew"],
+        "woz report again": report,
+        "woz report --csv": [*report, "--anew", "--csv", str(out / "csv")],
+        "woz report --json": [*report, "--anew", "--json"],
+        "woz report --html": [*report, "--html", str(page_of(folder)), "--sessions", "beside"],
+        "woz methods": [*woz, "methods", str(folder), "--anew"],
+        "woz export --to csv": [*export, "--to", "csv", "--out", str(out / "export-csv")],
+        "woz export --to bids": [*export, "--to", "bids", "--out", str(out / "export-bids")],
     }
+
+
+def page_of(folder: Path) -> Path:
+    """The page that is written of it."""
+    return folder.parent / f"{folder.name}-out" / "page.html"
 
 
 def timed(command: Sequence[str]) -> Run:
@@ -156,13 +196,16 @@ def timed(command: Sequence[str]) -> Run:
     took = time.perf_counter() - begun
     if process.returncode:
         raise RuntimeError(f"{' '.join(command)} failed: {said.decode()}")
-    return Run(took, used.ru_maxrss / 1024)
+    return Run(took, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024)
 
 
 def measured(folder: Path, turns: int) -> dict[str, list[Run]]:
     """Each way so many times, in turns."""
     found: dict[str, list[Run]] = {name: [] for name in ways(folder)}
     for _ in range(turns):
+        out = page_of(folder).parent
+        shutil.rmtree(out, ignore_errors=True)
+        out.mkdir()
         for name, command in ways(folder).items():
             found[name].append(timed(command))
     return found
@@ -172,14 +215,29 @@ def _seconds(runs: Sequence[Run]) -> float:
     return percentile([run.seconds for run in runs], 0.5)
 
 
+def _cpu(runs: Sequence[Run]) -> float:
+    return percentile([run.cpu for run in runs], 0.5)
+
+
 def _memory(runs: Sequence[Run]) -> float:
     return max(run.megabytes for run in runs)
+
+
+def _verdict(way: str, runs: Sequence[Run], report: float) -> str:
+    """What a way may take, and whether it does."""
+    goals = [f"<= {GOAL_MB} MB {verdict(_memory(runs), GOAL_MB)}"]
+    if way in GOAL_RATIOS:
+        goals.append(f"<= {GOAL_RATIOS[way]:g} x {verdict(_cpu(runs) / report, GOAL_RATIOS[way])}")
+    elif way in (REPORT, "woz report --csv", "woz methods"):
+        goals.append(f"<= {GOAL_S:g} s {verdict(_seconds(runs), GOAL_S)}")
+    return "floor" if way.startswith("json") else ", ".join(goals)
 
 
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sessions", type=int, default=100, help="how many are reported")
+    parser.add_argument("--short", action="store_true", help="copies of the sample, of a minute")
     parser.add_argument("--quick", action="store_true", help="a few sessions: does it run at all?")
     parser.add_argument("--floor", type=Path, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
@@ -188,31 +246,37 @@ def main() -> None:
         return
     count = 6 if arguments.quick else arguments.sessions
     turns = 1 if arguments.quick else TURNS
+    write = write_copies if arguments.short else write_sessions
     with tempfile.TemporaryDirectory(prefix="woz-bench-") as name:
+        os.environ["XDG_CACHE_HOME"] = str(Path(name) / "cache")
         few, many = Path(name) / "few", Path(name) / "many"
         for folder in (few, many):
             folder.mkdir()
-        write_sessions(few, max(1, count // 10))
-        lines = write_sessions(many, count)
+        write(few, max(2, count // 10))
+        lines = write(many, count)
         small, found = measured(few, 1), measured(many, turns)
-    least = _seconds(found["json.loads on every line"])
+        page_mb = page_of(many).stat().st_size / 1e6
+    least, report = _seconds(found["json.loads on every line"]), _cpu(found[REPORT])
     rows = [
         [
             way,
             f"{_seconds(runs):.2f}",
             f"{_seconds(runs) / least:.1f} x",
-            f"{lines / _seconds(runs):,.0f}",
+            f"{_cpu(runs):.2f}",
+            f"{_cpu(runs) / report:.1f} x",
             f"{_memory(runs):.0f}",
             f"{_memory(small[way]):.0f}",
-            "floor" if way.startswith("json") else verdict(_seconds(runs), GOAL_S),
+            _verdict(way, runs, report),
         ]
         for way, runs in found.items()
     ]
     head = [
-        *("a process from start to end", "seconds", "by floor", "lines/s", "MB"),
-        *("MB of a tenth", f"<= {GOAL_S:g} s"),
+        *("a process from start to end", "seconds", "by floor", "CPU s", "by report", "MB"),
+        *("MB of a tenth", "goals"),
     ]
     table(f"{count} sessions, {lines} lines of actions, median of {turns}", head, rows)
+    page = f"{page_mb:.1f} MB, goal {GOAL_PAGE_MB:g}: {verdict(page_mb, GOAL_PAGE_MB)}"
+    print(f"  main page {page}")
     print(machine())
 
 

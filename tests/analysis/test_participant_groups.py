@@ -17,7 +17,7 @@ from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.participant_groups import ConditionRow, GroupedSessions, totals
-from woz_tui.analysis.report_tables import item_totals
+from woz_tui.analysis.report_tables import item_tables
 from woz_tui.analysis.session_reading import read_report
 from woz_tui.analysis.tables import rounded
 from woz_tui.cli.report_layout import report_page
@@ -149,7 +149,7 @@ def test_a_question_whose_words_were_changed_is_told() -> None:
     cold, warm = found.items("guide.yaml")
     assert (warm.total.n, cold.total.n) == (2, 1)
     assert warm.wordings == cold.wordings == ("I liked it", "I did not like it")
-    [row] = item_totals([warm, cold]).rows
+    [row] = next(item_tables([warm, cold], found.totals("guide.yaml"))).rows
     assert row[-1] == "I liked it / I did not like it"
     stream = io.StringIO()
     show_sessions(report_page(stream, 80), found)

@@ -255,7 +255,9 @@ class AnswerRow(ContextRow):
 
 @dataclass(frozen=True, slots=True)
 class RoundRow:
-    """A questionnaire put to somebody once. `reason`: done, declined, left; empty: no end."""
+    """A questionnaire put to somebody once. `reason`: done, declined, left; empty: no end.
+    `condition` and `counted` are as of its answers; `asked` names its items.
+    """
 
     questionnaire: str
     round: int
@@ -264,6 +266,10 @@ class RoundRow:
     reason: str
     answered: int
     items: int
+    participant: str = ""
+    condition: str = ""
+    counted: bool = True
+    asked: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -501,7 +507,7 @@ def _setting(each: e.SettingEpisode) -> SettingRow:
 
 def rounds(timeline: Timeline) -> Iterator[RoundRow]:
     """Each time a questionnaire was given to somebody."""
-    for each, number in _numbered(timeline):
+    for each, number, counted in _rounds(timeline):
         started = each.started
         yield RoundRow(
             questionnaire=each.name,
@@ -511,6 +517,10 @@ def rounds(timeline: Timeline) -> Iterator[RoundRow]:
             reason=each.ended.reason if each.ended is not None else "",
             answered=sum(not answer.skipped for answer in each.answers.values()),
             items=len(_items(each)),
+            participant=each.context.participant,
+            condition=_condition_of(timeline, each),
+            counted=counted,
+            asked=tuple(_items(each)),
         )
 
 
@@ -524,19 +534,12 @@ def unanswered(timeline: Timeline) -> Iterator[str]:
 
 def answers(timeline: Timeline) -> Iterator[AnswerRow]:
     """The last answers of each round, in the order in which the items were answered first."""
-    rounds = [*_numbered(timeline)]
-    #: Of rounds that were left and of others: the last of a questionnaire that has answers.
-    last = {(_left(each), _about(each)): number for each, number in rounds if each.answers}
-    for each, number in rounds:
+    for each, number, counted in _rounds(timeline):
         items = _items(each)
-        about = _about(each)
-        again = (
-            _left(each)
-            and about[1:] != ("", None)  # nobody knows whether it was the same visitor
-            and ((False, about) in last or number < last.get((True, about), 0))
-        )
-        counted = not again and _of_counted_trials(timeline, each)
-        place = context_fields(each.context) | {"trial": -1 if each.trial is None else each.trial}
+        place = context_fields(each.context) | {
+            "trial": -1 if each.trial is None else each.trial,
+            "condition": _condition_of(timeline, each),
+        }
         for answer in each.answers.values():
             item = items.get(answer.item, {})
             yield AnswerRow(
@@ -554,6 +557,33 @@ def answers(timeline: Timeline) -> Iterator[AnswerRow]:
                 high=_number(item.get("high")),
                 counted=counted,
             )
+
+
+def _rounds(timeline: Timeline) -> Iterator[tuple[e.QuestionnaireEpisode, int, bool]]:
+    """Each round, its number, and whether its answers count."""
+    rounds = [*_numbered(timeline)]
+    #: Of rounds that were left and of others: the last of a questionnaire that has answers.
+    last = {(_left(each), _about(each)): number for each, number in rounds if each.answers}
+    for each, number in rounds:
+        about = _about(each)
+        again = (
+            _left(each)
+            and about[1:] != ("", None)  # nobody knows whether it was the same visitor
+            and ((False, about) in last or number < last.get((True, about), 0))
+        )
+        yield each, number, not again and _of_counted_trials(timeline, each)
+
+
+def _condition_of(timeline: Timeline, each: e.QuestionnaireEpisode) -> str:
+    """The condition that it is about: none where it was asked outside of trials (at the end, or by
+    hand) of somebody who had several conditions, and is about all of them.
+    """
+    if each.trial is not None or timeline.inside(each.context):
+        return each.context.condition
+    who = each.context.participant
+    trials = (one for one in timeline.of(e.TrialEpisode) if one.context.participant == who)
+    several = len({one.context.condition for one in trials}) > 1
+    return "" if several else each.context.condition
 
 
 def _of_counted_trials(timeline: Timeline, each: e.QuestionnaireEpisode) -> bool:

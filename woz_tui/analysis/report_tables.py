@@ -520,18 +520,33 @@ def _total(total: Total | None, participants: int = 0, measure: Measure | None =
     return mean + (f" ({sd})" if sd else "") + people
 
 
-def item_totals(items: Sequence[ItemTotal]) -> ReportTable:
-    """Means of questionnaire scales: a row for each item, a column for each condition."""
+def item_tables(
+    items: Sequence[ItemTotal], totals: Sequence[ConditionTotal]
+) -> Iterator[ReportTable]:
+    """Means of questionnaire scales: by condition, and of what was asked once, about all of them.
+    In a study without conditions there is one table.
+    """
+    title = "Questionnaires: mean and standard deviation over participants"
+    if not any(total.condition for total in totals):
+        yield _item_totals(title, items)
+        return
+    yield _item_totals(title, [item for item in items if item.condition])
+    once = [item for item in items if not item.condition]
+    people = max((item.total.n for item in once), default=0)
+    yield _item_totals(f"Asked once, about no condition (n = {people})", once, "all")
+
+
+def _item_totals(title: str, items: Sequence[ItemTotal], without: str = "none") -> ReportTable:
+    """A row for each item, a column for each condition; `without`: the head where there is none."""
     conditions = sorted({item.condition for item in items})
     rows: dict[tuple[str, ...], dict[str, Total]] = {}
     for item in items:
         words = " / ".join(item.wordings)
         key = (words, item.questionnaire, item.item, _scale(item.low, item.high))
         rows.setdefault(key, {})[item.condition] = item.total
-    heads = ["Questionnaire", "Item", "Scale", *(LogText(each or "none") for each in conditions)]
+    heads = ["Questionnaire", "Item", "Scale", *(LogText(each or without) for each in conditions)]
     cells = [
         [*map(LogText, key), *(_total(row.get(each)) for each in conditions), LogText(question)]
         for (question, *key), row in rows.items()
     ]
-    title = "Questionnaires: mean and standard deviation over participants"
     return ReportTable(title, [*heads, "Question"], cells, words=3, on_terminal=len(heads))

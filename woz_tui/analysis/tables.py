@@ -651,7 +651,8 @@ _WIDE = (*_ROUND, _COUNTED_ANSWER)
 
 ANSWERS: TableDefinition[AnswerRow] = TableDefinition(
     "questionnaires",
-    "The last answer to each item in each round of a questionnaire.",
+    "The last answer to each item in each round of a questionnaire; `condition` is empty where "
+    "somebody who had several was asked once about all of them.",
     (
         *_ROUND,
         _text("item", "name of the item"),

@@ -256,9 +256,10 @@ def show_sessions(page: ReportPage, grouped: GroupedSessions) -> None:
             page.trouble(left)
         if alike := alike_sentence(row.participant for row in rows):
             page.trouble(alike)
-        page.print(page.block(tables.condition_totals(grouped.totals(experiment))))
-        items = grouped.items(experiment)
-        page.print(page.block(tables.item_totals(items)))
+        totals, items = grouped.totals(experiment), grouped.items(experiment)
+        page.print(page.block(tables.condition_totals(totals)))
+        for table in tables.item_tables(items, totals):
+            page.print(page.block(table))
         reworded = dict.fromkeys(
             f"{each.questionnaire}.{each.item}" for each in items if len(each.wordings) > 1
         )

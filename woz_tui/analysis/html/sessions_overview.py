@@ -19,7 +19,7 @@ from woz_tui.analysis.report_tables import (
     PAGE_COLUMNS,
     condition_totals,
     figure_text,
-    item_totals,
+    item_tables,
 )
 from woz_tui.analysis.text_format import NONE
 
@@ -129,8 +129,9 @@ def _totals(grouped: GroupedSessions) -> Iterator[Markup | None]:
     for experiment in grouped.experiments:
         if len(grouped.experiments) > 1:
             yield tag("h3", isolated(experiment or "experiment not recorded"))
-        yield table(condition_totals(grouped.totals(experiment)))
-        yield table(item_totals(grouped.items(experiment)))
+        totals = grouped.totals(experiment)
+        yield table(condition_totals(totals))
+        yield from map(table, item_tables(grouped.items(experiment), totals))
     yield from map(table, apart_tables(grouped))
 
 

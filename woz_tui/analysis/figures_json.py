@@ -9,6 +9,7 @@ from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.figures import PartFigures, SessionFigures
 from woz_tui.analysis.measures import TIMES_OF_FEATURES, measured
+from woz_tui.analysis.outcomes import Outcome
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.feature import pieces
 
@@ -49,9 +50,24 @@ def grouped(found: GroupedSessions) -> list[dict[str, Any]]:
             "files": found.files(experiment),
             "conditions": plain(found.totals(experiment)),
             "scales": plain(found.items(experiment)),
+            "outcomes": [_outcome(each) for each in found.outcomes(experiment).outcomes],
+            "reactions": {
+                condition: plain(each) | {"median_us": each.median_us}
+                for condition, each in found.outcomes(experiment).reactions.items()
+            },
         }
         for experiment in found.experiments
     ]
+
+
+def _outcome(outcome: Outcome) -> dict[str, Any]:
+    """An outcome, what may be said of each condition, and what conditions differ by."""
+    return {
+        **plain(outcome.name),
+        "within": outcome.within,
+        "summaries": plain(outcome.summaries()),
+        "differences": plain(outcome.differences()),
+    }
 
 
 def apart(found: GroupedSessions) -> dict[str, list[dict[str, Any]]]:

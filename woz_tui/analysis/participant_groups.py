@@ -10,8 +10,10 @@ from woz_tui.analysis.durations import mean_and_sd
 from woz_tui.analysis.experiment_names import ExperimentNames
 from woz_tui.analysis.feature_figures import ApartSession
 from woz_tui.analysis.figures import OUTSIDE, SESSION, SessionFigures
+from woz_tui.analysis.intervals import FEWEST
 from woz_tui.analysis.measures import MEASURES, measured
-from woz_tui.analysis.participants import participants_of
+from woz_tui.analysis.participants import participants_of, who_took_part
+from woz_tui.analysis.study_outcomes import StudyOutcomes
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,11 +31,14 @@ class ConditionRow:
 
 @dataclass(frozen=True, slots=True)
 class Total:
-    """A figure over participants: of each the mean over their rows, then mean, SD (n - 1) and n."""
+    """A figure over participants: of each the mean over their rows, then mean, SD (n - 1) and n;
+    `values`: where there are fewer than three, these themselves.
+    """
 
     n: int
     mean: float | None
     sd: float | None
+    values: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +82,7 @@ class GroupedSessions:
     _items: dict[tuple[str, str, str, float | None, float | None], _Item] = field(
         default_factory=dict
     )
+    _outcomes: dict[str, StudyOutcomes] = field(default_factory=dict)
     _names: ExperimentNames = field(default_factory=ExperimentNames)
     #: Of the experiment's file, and of logs that only tell it and its robot files together.
     _hashes: dict[str, tuple[set[str], set[str]]] = field(default_factory=dict)
@@ -95,6 +101,7 @@ class GroupedSessions:
             self.reruns.append(figures.session or figures.stem)
             return
         self._sessions[experiment] += 1
+        self._outcomes.setdefault(experiment, StudyOutcomes()).add(figures)
         own, joined = self._hashes.setdefault(experiment, (set(), set()))
         if figures.file_sha256:
             own.add(figures.file_sha256)
@@ -158,6 +165,10 @@ class GroupedSessions:
             key=lambda row: (row.participant, row.scope == OUTSIDE, row.condition, row.session),
         )
 
+    def outcomes(self, experiment: str) -> StudyOutcomes:
+        """What is compared between its conditions."""
+        return self._outcomes.get(experiment) or StudyOutcomes()
+
     def totals(self, experiment: str) -> list[ConditionTotal]:
         """By condition."""
         return totals(self.of(experiment))
@@ -212,11 +223,6 @@ def _by_participant(rows: Iterable[ConditionRow], name: str) -> dict[str, list[f
     return values
 
 
-def who_took_part(participant: str, session: str) -> str:
-    """The participant's code; without one, the session's."""
-    return participant or f"session {session}"
-
-
 def _total(values: Mapping[str, Sequence[float]]) -> Total:
     means = [sum(each) / len(each) for each in values.values() if each]
-    return Total(len(means), *mean_and_sd(means))
+    return Total(len(means), *mean_and_sd(means), tuple(means) if len(means) < FEWEST else ())

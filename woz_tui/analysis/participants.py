@@ -50,6 +50,11 @@ def participants_of(figures: SessionFigures) -> Collection[str]:
     return figures.participants if figures.participant or not figures.of_study else ("",)
 
 
+def who_took_part(participant: str, session: str) -> str:
+    """The participant's code; without one, the session's."""
+    return participant or f"session {session}"
+
+
 def participant_text(participant: str, *, counted: bool) -> str:
     """The code, as a table names it; empty in sessions without codes."""
     return participant or ("" if counted else NOBODY)

@@ -57,6 +57,8 @@ PAGE_COLUMNS = (
     *("duration", "trials", "wizard_actions", "reaction_median_s", "cues_missed"),
     *("press_median_ms", "engaged_share", "mistakes", "stops"),
 )
+#: What stands in tables of means.
+_OVER = "mean (SD) over participants; of one or two the values"
 #: The heading over `circumstances`.
 NOTES = "Notes on the session"
 #: Of fewer reactions than this no main figure says how long they took: their table does.
@@ -501,7 +503,7 @@ def condition_totals(totals: Sequence[ConditionTotal]) -> ReportTable:
         for name in TERMINAL_COLUMNS
     ]
     return ReportTable(
-        "By condition: mean and standard deviation over participants",
+        f"By condition: {_OVER}",
         ["", *heads],
         [row for row in rows if set(row[1:]) - {NONE}],
         definitions=_DEFINITIONS,
@@ -509,15 +511,19 @@ def condition_totals(totals: Sequence[ConditionTotal]) -> ReportTable:
 
 
 def _total(total: Total | None, participants: int = 0, measure: Measure | None = None) -> str:
-    """Mean, standard deviation, and the number of people if it is not all of them."""
+    """Mean, standard deviation, and the number of people if it is not all of them; of few people
+    their values.
+    """
     if total is None or total.mean is None:
         return NONE
-    mean, sd = (
-        "" if value is None else digits(value) if measure is None else measure_text(measure, value)
-        for value in (total.mean, total.sd)
-    )
+
+    def text(value: float) -> str:
+        return digits(value) if measure is None else measure_text(measure, value)
+
+    if total.values:
+        return ", ".join(map(text, total.values))
     people = f" n={total.n}" if total.n != participants else ""
-    return mean + (f" ({sd})" if sd else "") + people
+    return text(total.mean) + (f" ({text(total.sd)})" if total.sd is not None else "") + people
 
 
 def item_tables(
@@ -526,7 +532,7 @@ def item_tables(
     """Means of questionnaire scales: by condition, and of what was asked once, about all of them.
     In a study without conditions there is one table.
     """
-    title = "Questionnaires: mean and standard deviation over participants"
+    title = f"Questionnaires: {_OVER}"
     if not any(total.condition for total in totals):
         yield _item_totals(title, items)
         return

@@ -41,6 +41,12 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="LANGUAGE",
         help="with --csv: as a spreadsheet in this language opens them by a double click",
     )
+    parser.add_argument(
+        "--figures",
+        type=Path,
+        metavar="FOLDER",
+        help="write what conditions differ by as pictures (SVG), each with its table",
+    )
     parser.add_argument("--html", type=Path, metavar="FILE", help="write one self-contained page")
     parser.add_argument(
         "--sessions",
@@ -134,6 +140,10 @@ def _report(arguments: argparse.Namespace) -> int:
                     alone = report
             if output:
                 output.end(grouped, reading.problems)
+            if arguments.figures:
+                from woz_tui.analysis.figure_files import write_figures  # noqa: PLC0415
+
+                write_figures(arguments.figures, grouped)
     except OSError as error:
         print(f"woz report: {os_error_text(error)}", file=sys.stderr)
         return 1
@@ -154,7 +164,7 @@ def _page(
 
 def _print_written(arguments: argparse.Namespace, *, nothing: bool) -> None:
     """Prints which files were written. Of no session there are none: older ones may be there."""
-    for path in filter(None, (arguments.csv, arguments.html)):
+    for path in filter(None, (arguments.csv, arguments.figures, arguments.html)):
         sentence = f"{path} was not written: there is nothing to report"
         print(f"woz report: {sentence if nothing else f'wrote {path}'}", file=sys.stderr)
 
@@ -261,5 +271,8 @@ def _print(
         terminal.show_summary(page, grouped, alone)
     elif alone is not None:
         terminal.show_session(page, alone, sys.maxsize if arguments.all else terminal.TOP)
+        if len(alone.figures.participants) > 1:
+            for experiment in grouped.experiments:
+                terminal.show_means(page, grouped, experiment)
     else:
         terminal.show_sessions(page, grouped)

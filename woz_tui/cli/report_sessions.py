@@ -17,8 +17,10 @@ from woz_tui.analysis.feature_report import apart_tables
 from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import PartFigures, Reactions, SessionFigures
 from woz_tui.analysis.measures import title_of
-from woz_tui.analysis.participant_groups import GroupedSessions, who_took_part
-from woz_tui.analysis.participants import alike_sentence, excluded_sentence
+from woz_tui.analysis.outcome_tables import differences_table, missing_table
+from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.analysis.participants import alike_sentence, excluded_sentence, who_took_part
+from woz_tui.analysis.reaction_totals import early_sentences, reactions_table
 from woz_tui.analysis.session_reading import SessionReport
 from woz_tui.analysis.text_format import clock, counted
 from woz_tui.cli.report_layout import Block, ReportPage, TextSigns, fitted, text_table
@@ -235,6 +237,26 @@ def _size(page: ReportPage, grouped: GroupedSessions, experiment: str) -> None:
     page.head(f"{experiment or 'experiment not recorded'}: {size}")
 
 
+def show_means(page: ReportPage, grouped: GroupedSessions, experiment: str) -> None:
+    """Print what participants amount to, by condition."""
+    totals, items = grouped.totals(experiment), grouped.items(experiment)
+    found = grouped.outcomes(experiment)
+    page.print(page.block(tables.condition_totals(totals)))
+    for table in tables.item_tables(items, totals):
+        page.print(page.block(table))
+    reworded = dict.fromkeys(
+        f"{each.questionnaire}.{each.item}" for each in items if len(each.wordings) > 1
+    )
+    if reworded:
+        page.trouble(f"the words of {', '.join(reworded)} were changed between these sessions")
+    page.print(page.block(missing_table(found.scales())))
+    page.print(page.block(differences_table(found.outcomes)))
+    page.print(page.block(reactions_table(found.reactions)))
+    for sentence in early_sentences(found.reactions):
+        page.trouble(sentence)
+    page.print(page.block(found.flow.table()))
+
+
 def show_sessions(page: ReportPage, grouped: GroupedSessions) -> None:
     """Print the tables of all experiments."""
     for experiment in grouped.experiments:
@@ -256,15 +278,7 @@ def show_sessions(page: ReportPage, grouped: GroupedSessions) -> None:
             page.trouble(left)
         if alike := alike_sentence(row.participant for row in rows):
             page.trouble(alike)
-        totals, items = grouped.totals(experiment), grouped.items(experiment)
-        page.print(page.block(tables.condition_totals(totals)))
-        for table in tables.item_tables(items, totals):
-            page.print(page.block(table))
-        reworded = dict.fromkeys(
-            f"{each.questionnaire}.{each.item}" for each in items if len(each.wordings) > 1
-        )
-        if reworded:
-            page.trouble(f"the words of {', '.join(reworded)} were changed between these sessions")
+        show_means(page, grouped, experiment)
     for table in apart_tables(grouped):
         page.print(page.block(table))
     if grouped.reruns:

@@ -23,7 +23,7 @@ from urllib.parse import quote
 from woz_tui.analysis.html.figure_definitions import glossary
 from woz_tui.analysis.html.markup import Child, Markup, escaped, json_block, pieces, tag
 from woz_tui.analysis.html.session_section import SessionEntry, section
-from woz_tui.analysis.html.sessions_overview import SessionCard, overview
+from woz_tui.analysis.html.sessions_overview import SessionCard, means, overview
 from woz_tui.analysis.html.timeline_styles import SORTS, symbols
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.session_reading import SessionReport
@@ -89,7 +89,9 @@ class ReportPage:
         with _blamed(self._path):
             if self._first is not None:
                 entry = SessionEntry.of(self._first, alone=True)
-                replace(self._path, _page_of(entry), mode=0o600)
+                several = len(entry.figures.participants) > 1
+                above = means(self._grouped) if several else None
+                replace(self._path, _page_of(entry, above), mode=0o600)
             else:
                 found = overview(self._cards, self._grouped)
                 title = f"{len(self._cards)} sessions"

@@ -11,6 +11,7 @@ from woz_tui.analysis.figures import OUTSIDE, PartFigures, SessionFigures
 from woz_tui.analysis.html.course_strips import Course, ruler
 from woz_tui.analysis.html.figure_definitions import defined, table, wide
 from woz_tui.analysis.html.markup import Child, Markup, isolated, joined, tag
+from woz_tui.analysis.html.outcome_section import outcome_figures
 from woz_tui.analysis.html.session_section import SessionEntry
 from woz_tui.analysis.measures import BY_NAME
 from woz_tui.analysis.participant_groups import GroupedSessions
@@ -124,7 +125,15 @@ def _cells(figures: SessionFigures, part: PartFigures, address: str) -> Iterator
     yield tag("td", "damaged" if damaged else "whole", class_="bad" if damaged else None)
 
 
-def _totals(grouped: GroupedSessions) -> Iterator[Markup | None]:
+def means(grouped: GroupedSessions) -> Markup:
+    """The section of a session with several participants."""
+    head = tag("h2", "Participants together", id="overview")
+    return tag(
+        "section", head, list(_totals(grouped)), aria_labelledby="overview", class_="overview"
+    )
+
+
+def _totals(grouped: GroupedSessions) -> Iterator[Child]:
     """The tables of means by condition, for each experiment."""
     for experiment in grouped.experiments:
         if len(grouped.experiments) > 1:
@@ -132,6 +141,7 @@ def _totals(grouped: GroupedSessions) -> Iterator[Markup | None]:
         totals = grouped.totals(experiment)
         yield table(condition_totals(totals))
         yield from map(table, item_tables(grouped.items(experiment), totals))
+        yield from outcome_figures(grouped.outcomes(experiment))
     yield from map(table, apart_tables(grouped))
 
 

@@ -1,0 +1,107 @@
+"""Outcomes as files for a paper: each picture as SVG, beside it a table with what it shows."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from woz_tui.analysis.html.outcome_plots import comparison, distribution
+from woz_tui.analysis.intervals import Estimate
+from woz_tui.analysis.outcome_tables import caption, differences_sentence
+from woz_tui.analysis.outcomes import Outcome
+from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.analysis.reaction_totals import reactions_table
+from woz_tui.analysis.report_table import ReportTable
+from woz_tui.system.files import replace
+from woz_tui.system.text_cleaning import cell
+
+_HEADS = (
+    *("condition", "asked", "n", "missing", "mean", "sd", "median", "values"),
+    *("interval_n", "interval_mean", "interval_low", "interval_high"),
+)
+
+
+def write_figures(folder: Path, grouped: GroupedSessions) -> None:
+    """Write the figures of all experiments; of several each has a folder of its own.
+
+    Raises:
+        OSError: The folder cannot be made or a file not be written.
+    """
+    experiments = grouped.experiments
+    for experiment in experiments:
+        place = folder / _plain(experiment) if len(experiments) > 1 else folder
+        place.mkdir(mode=0o700, parents=True, exist_ok=True)
+        found = grouped.outcomes(experiment)
+        for outcome in found.outcomes:
+            for name, text in _files(outcome):
+                replace(place / name, text, mode=0o600, durable=False)
+        for name, table in (
+            ("reactions", reactions_table(found.reactions)),
+            ("participants", found.flow.table()),
+        ):
+            if table.rows:
+                replace(place / f"{name}.csv", _table(table), mode=0o600, durable=False)
+
+
+def _files(outcome: Outcome) -> Iterator[tuple[str, str]]:
+    name = _plain(outcome.name.name)
+    yield f"{name}.svg", comparison(outcome)
+    if (answers := distribution(outcome)) is not None:
+        yield f"{name}-answers.svg", answers
+    yield f"{name}.csv", _conditions(outcome)
+    yield f"{name}.txt", _words(outcome)
+
+
+def _words(outcome: Outcome) -> str:
+    """The caption, for below the picture."""
+    sentences = (outcome.name.title, caption(outcome), differences_sentence(outcome))
+    return "\n".join(filter(None, sentences)) + "\n"
+
+
+def _conditions(outcome: Outcome) -> str:
+    rows: list[Sequence[str | float | None]] = [_HEADS]
+    for each in outcome.summaries():
+        missing = "; ".join(f"{reason} {count}" for reason, count in each.missing.items())
+        values = " ".join(f"{value:g}" for value in each.values) if each.is_few else ""
+        mean = None if each.is_few else each.mean
+        rows.append(
+            (
+                *(each.condition, each.asked, each.n, missing, mean, each.sd, each.median, values),
+                *_interval(None if each.is_few else each.estimate),
+            )
+        )
+    for difference in outcome.differences():
+        how = "paired" if difference.paired else "Welch"
+        words = f"{difference.other} - {difference.first} ({how})"
+        rows.append((words, *[None] * 7, *_interval(difference.estimate)))
+    return _csv(rows)
+
+
+def _interval(estimate: Estimate | None) -> Sequence[float | None]:
+    if estimate is None:
+        return (None, None, None, None)
+    if estimate.half is None:
+        return (estimate.n, estimate.mean, None, None)
+    return (
+        *(estimate.n, estimate.mean),
+        *(estimate.mean - estimate.half, estimate.mean + estimate.half),
+    )
+
+
+def _table(table: ReportTable) -> str:
+    return _csv((table.heads, *table.rows))
+
+
+def _csv(rows: Iterable[Sequence[str | float | None]]) -> str:
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerows([cell(value) for value in row] for row in rows)
+    return stream.getvalue()
+
+
+def _plain(name: str) -> str:
+    """A name that can be one of a file."""
+    return re.sub(r"[^A-Za-z0-9._-]+", "-", name).strip(".-") or "unnamed"

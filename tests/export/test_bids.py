@@ -230,7 +230,7 @@ def test_a_marker_stands_at_the_moment_that_its_program_measured(tmp_path: Path)
     assert [float(row["onset"]) for row in rows] == [2, 4]
 
 
-def test_what_came_before_the_first_code_is_nobodys(tmp_path: Path) -> None:
+def test_what_came_before_the_first_code_makes_no_person(tmp_path: Path) -> None:
     course: list[Timed] = [
         (0, start(participant="")),
         (1, m.Note(text="early")),
@@ -244,11 +244,26 @@ def test_what_came_before_the_first_code_is_nobodys(tmp_path: Path) -> None:
     dataset = tmp_path / "out"
     validated(dataset)
     (path,) = dataset.rglob("*_events.tsv")
-    notes = [row["text"] for row in table(path) if row["trial_type"] == "note"]
-    assert notes == ["first", "last"]
+    notes = [(row["text"], row["counted"]) for row in table(path) if row["trial_type"] == "note"]
+    assert notes == [("early", "false"), ("first", "true"), ("last", "true")]
     assert [row["participant_id"] for row in table(dataset / "participants.tsv")] == ["sub-P08"]
-    assert any("nobody's code" in note for note in session_summary.notes)
+    assert not any("nobody's code" in note for note in session_summary.notes)
+    assert any("under P80, who did not take part" in note for note in session_summary.notes)
     assert [path.name[:7] for path in dataset.rglob("*_physio.tsv.gz")] == ["sub-P08"]
+
+
+def test_a_session_in_which_nothing_was_played_has_no_subject(tmp_path: Path) -> None:
+    setup = [(0.028, m.DriverConnected(driver="head")), (0.5, m.Note(text="only a try"))]
+    logs = [
+        write(tmp_path / "r", [(0, start("", "S08")), *setup], "2026-03-01T09-00-00_S08"),
+        write(tmp_path / "r", [(0, start("", "S09")), *visit()[1:]], "2026-03-01T09-30-00_S09"),
+        write(tmp_path / "r", visit()),
+    ]
+    told, *_ = export_logs(logs, "bids", tmp_path / "out")
+    assert told.notes == ["no participant's code, and nothing was played: it is left out"]
+    validated(tmp_path / "out")
+    subjects = [row["participant_id"] for row in table(tmp_path / "out" / "participants.tsv")]
+    assert subjects == ["sub-unknown01", "sub-P07"]
 
 
 @settings(suppress_health_check=list(HealthCheck))

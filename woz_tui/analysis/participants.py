@@ -38,6 +38,15 @@ def taking_part(
     return {code for code, us in times.items() if code and (code in busy or us >= SLIP_US)}
 
 
+def somebody_was_there(figures: SessionFigures) -> bool:
+    """Whether somebody could have taken part in a session in which no code was given: something was
+    done or asked, or it lasted for long enough.
+    """
+    whole = figures.whole
+    busy = whole.acts or whole.reactions or figures.trials or figures.answers
+    return bool(busy) or figures.duration_us >= SLIP_US
+
+
 def counts_in_means(timeline: Timeline, people: Collection[str], context: Context) -> bool:
     """Whether means contain what happens in this context: one of `people`, who took part, is
     there, and in a session with trials it is in one that counts.

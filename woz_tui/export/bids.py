@@ -9,8 +9,9 @@ from __future__ import annotations
 import gzip
 import json
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import takewhile
 from pathlib import PurePath
 from typing import Any
 
@@ -18,6 +19,7 @@ from woz_tui import __version__
 from woz_tui.analysis.event_rows import AnswerRow
 from woz_tui.analysis.experiment_names import ExperimentNames
 from woz_tui.analysis.feature_figures import FeatureFigures
+from woz_tui.analysis.participants import somebody_was_there
 from woz_tui.analysis.tables import ANSWERS, EVENTS, Cell, Column, TableDefinition
 from woz_tui.analysis.text_format import counted
 from woz_tui.export.event_model import ExportEvent, ExportSession, letters
@@ -36,7 +38,9 @@ _ABOUT = """## Files
 A dataset as in the Brain Imaging Data Structure (BIDS), without imaging: events of each session in
 `sub-*/ses-*/beh/*_events.tsv`, answers to questionnaires in `*_beh.tsv`, values of sensors in
 `*_physio.tsv.gz` (only with `--samples`). The `.json` beside each file says what its columns mean.
-Sessions without a participant's code are those of `sub-unknown01` and so on. Tabs and line ends in
+Sessions without a participant's code are those of `sub-unknown01` and so on, unless nothing was
+played in them. What happened before the first code was set is with the first participant, and does
+not count (`counted`). Tabs and line ends in
 texts are shown as ␉ and ␊. Texts that begin with = + - @ ' have one ' more before them, so that no
 spreadsheet takes them for a formula."""
 
@@ -80,11 +84,13 @@ class BidsExporter(Exporter):
             what = apart.what if apart is not None else "a re-run"
             return [f"{what}, in which nobody took part: it is left out"]
         codes = session.participants or [""]
-        paths = [self._participant(session, code) for code in codes]
+        if not session.participants and not somebody_was_there(session.figures):
+            return ["no participant's code, and nothing was played: it is left out"]
+        setup, others = _of_nobody(session.events, codes)
+        paths = [
+            self._participant(session, code, setup if code == codes[0] else ()) for code in codes
+        ]
         notes = []
-        others = Counter(
-            event.participant for event in session.events if event.participant not in codes
-        )
         if others:
             whose = [code or "nobody's code" for code in others]
             notes.append(
@@ -101,8 +107,8 @@ class BidsExporter(Exporter):
             notes += write_physio(self._folder, paths[0], source, self._common(session))
         return notes
 
-    def _participant(self, session: ExportSession, code: str) -> str:
-        events = [event for event in session.events if event.participant == code]
+    def _participant(self, session: ExportSession, code: str, setup: Sequence[ExportEvent]) -> str:
+        events = [*setup, *(event for event in session.events if event.participant == code)]
         answers = [answer for answer in session.figures.answers if answer.participant == code]
         label = self._label(session, code)
         listed = self._conditions.setdefault(label, [])
@@ -191,6 +197,19 @@ class BidsExporter(Exporter):
             "DatasetType": "raw",
             "GeneratedBy": [{"Name": "woz-tui", "Version": __version__}],
         }
+
+
+def _of_nobody(
+    events: Sequence[ExportEvent], codes: Sequence[str]
+) -> tuple[list[ExportEvent], Counter[str]]:
+    """What happened before the first code was set (drivers connect, sensors begin), which counts
+    nowhere and makes no person of its own; and how many others there are under which code.
+    """
+    before = [*takewhile(lambda event: event.participant not in codes, events)]
+    setup = [replace(event, counted=False) for event in before if not event.participant]
+    others = Counter(event.participant for event in events if event.participant not in codes)
+    others[""] -= len(setup)
+    return setup, +others
 
 
 def _about_log(session: ExportSession) -> dict[str, Any]:

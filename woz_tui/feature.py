@@ -111,6 +111,7 @@ class Feature:
         report: An `analysis.feature_report.FeatureReport`: its tables in reports and exports.
         session_kind: A `host.session_kind.SessionKind`: a kind of session without a participant.
         bookmarks: A `replay.bookmarks.FeatureBookmarks`: what of it a replay can go to.
+        doctor: A `machine.feature_checks.FeatureChecks`: what `woz doctor` looks at.
         start: An option with which a session can begin.
         performer: Who carries out the verbs of its section; its piece `session` is a
             `session.session_features.PerformingFeature` then.
@@ -139,6 +140,7 @@ class Feature:
     report: ClassVar[str] = ""
     session_kind: ClassVar[str] = ""
     bookmarks: ClassVar[str] = ""
+    doctor: ClassVar[str] = ""
     start: ClassVar[StartOption | None] = None
     performer: ClassVar[PerformerName | None] = None
     command: ClassVar[CommandLine | None] = None

@@ -21,7 +21,9 @@ from woz_tui.config.file_position import ExperimentError, Problem
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, Finding, Probe
+from woz_tui.feature import pieces
 from woz_tui.machine import machine_checks, terminal_check
+from woz_tui.machine.feature_checks import FeatureChecks
 from woz_tui.machine.machine_checks import bounded
 from woz_tui.system import session_sockets
 
@@ -131,6 +133,11 @@ def _machine(recordings: Path) -> list[Finding]:
         *bounded("processor", machine_checks.governor),
         *bounded("power", machine_checks.throttling),
         *bounded("socket", _sockets),
+        *(
+            finding
+            for name, checks in pieces("doctor", FeatureChecks).items()
+            for finding in bounded(name, checks.examine)
+        ),
     ]
 
 

@@ -37,6 +37,7 @@ async def preflight(session: Session) -> list[Finding]:
         _identity(session),
         *_file(session),
         _stop(session),
+        *session.features.findings(),
     ]
     for finding in findings:
         session.hub.publish(

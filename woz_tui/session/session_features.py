@@ -14,7 +14,7 @@ from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.experiment import Action, Call, Experiment
 from woz_tui.config.performers import performers_of_features
-from woz_tui.drivers.contract import Ask, Driver, Forecast, Performer, Verb
+from woz_tui.drivers.contract import Ask, Driver, Finding, Forecast, Performer, Verb
 from woz_tui.feature import features, left_out, pieces
 from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import RequestOrigin
@@ -184,6 +184,10 @@ class SessionFeature:
         """What the feature's rows of the gate and its view look at; None: there is nothing."""
         return None
 
+    def findings(self) -> Sequence[Finding]:
+        """Its lines of the preflight list."""
+        return ()
+
 
 class PerformingFeature(SessionFeature, Performer):
     """One that carries out verbs: those of its section, under the name of `Feature.performer`.
@@ -216,7 +220,7 @@ _FAILED = "\0"
 #: Where features are asked or told something; those that have nothing to do there are passed by.
 _HOOKS = (
     *("begin", "close", "play", "after_play", "adopt", "hold", "drop", "begin_anew", "front"),
-    "fact",
+    *("fact", "findings"),
 )
 
 
@@ -378,6 +382,15 @@ class SessionFeatures:
             for name, feature in [*self._with["front"].items()]
             for panel in self._safely(name, feature.front, nothing)
         }
+
+    def findings(self) -> list[Finding]:
+        """Their lines of the preflight list."""
+        nothing: Sequence[Finding] = ()
+        return [
+            finding
+            for name, feature in [*self._with["findings"].items()]
+            for finding in self._safely(name, feature.findings, nothing)
+        ]
 
     def facts(self) -> dict[str, object]:
         """What their rows of the gate look at, by name."""

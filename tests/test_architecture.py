@@ -64,7 +64,7 @@ UNLOADED = [
             *("textual", "rich", "numpy", "serial", "dynamixel_sdk", "aiohttp", "woz_drivers"),
             *("woz_tui.replay", "woz_tui.features.training.trainer", "woz_tui.analysis"),
             *("woz_tui.config.woz4u", "woz_tui.network.driver_process"),
-            *("woz_tui.session.preflight", "pickle"),
+            *("woz_tui.session.preflight", "pickle", "pylsl", "woz_tui.features.lsl.library"),
         },
     ),
     ("woz_tui.cli", {"textual", "rich", "numpy", "serial", "msgspec", "woz_drivers"}),

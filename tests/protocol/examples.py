@@ -349,6 +349,7 @@ MESSAGES: tuple[m.Message, ...] = (
         condition="cold",
         trial=2,
     ),
+    *feature_examples("lsl", "MESSAGES"),
 )
 
 _PANELS = [
@@ -449,6 +450,7 @@ REQUESTS: tuple[r.Request, ...] = (
     r.AskTalk(ref=41),
     r.AskTalk(ref=42, driver="voice", rate=16_000, data="AQIDBA==", age_us=21_000, lost_s=0.2),
     r.AskUnrecorded(ref=45),
+    *feature_examples("lsl", "REQUESTS"),
 )
 
 

@@ -400,6 +400,10 @@ class WozClient:
         """
         return monotonic - self._zero_us / 1e6
 
+    def monotonic(self, t: int) -> float:
+        """A message's `t` as `time.monotonic()` of this computer, in seconds."""
+        return (self._zero_us + t) / 1e6
+
     # -- beginning and ending ----------------------------------------------------------------------
 
     async def open(self, hello: r.Hello) -> None:

@@ -13,4 +13,5 @@ FEATURES: tuple[str, ...] = (
     "woz_tui.features.training:Training",
     "woz_tui.features.mcap:Mcap",
     "woz_tui.features.blocks:Blocks",
+    "woz_tui.features.lsl:Lsl",
 )

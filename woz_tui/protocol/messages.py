@@ -564,7 +564,7 @@ class VisitorChanged(Message, frozen=True, kw_only=True, tag="visitor.changed"):
 
 
 #: Sources of markers that no human set: they are no cues.
-AUTOMATIC_MARKERS = frozenset({"action", "preflight"})
+AUTOMATIC_MARKERS = frozenset({"action", "preflight", "lsl"})
 
 
 class Marker(RestrictedMessage, frozen=True, kw_only=True, tag="marker"):

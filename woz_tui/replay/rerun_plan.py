@@ -37,7 +37,7 @@ LEARNING = frozenset({LEARN_FACE, FACE_CONSENT, "listen_room"})
 #: What of the session's own verbs has a meaning without a participant and a wizard's panels.
 SESSION_VERBS = frozenset({"mark", "note"})
 #: Markers that the session itself puts: the preflight's, and those of the verb `mark`.
-_OWN_MARKS = frozenset({"preflight", "action"})
+_OWN_MARKS = frozenset({"preflight", "action", "lsl"})
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,146 @@
+"""Writes into the log what `woz lsl` tells, and uses what comes over streams as the file says."""
+
+from __future__ import annotations
+
+from woz_tui.config.experiment import Experiment
+from woz_tui.drivers.contract import Finding
+from woz_tui.features.lsl.history import LslHistory
+from woz_tui.features.lsl.kinds import (
+    AskLslBegin,
+    AskLslTake,
+    AskLslTell,
+    LslAdopted,
+    LslLost,
+    TakenStream,
+)
+from woz_tui.features.lsl.section import LSL, TakenEntry
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
+from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
+
+#: The source of markers that came over a stream and want no answer.
+SOURCE = "lsl"
+#: Characters of a text that came over a stream.
+MOST_TEXT = 200
+
+
+class LslInSession(SessionFeature):
+    """What one session has of the streams; the streams themselves are in another process."""
+
+    requests = (AskLslBegin, AskLslTell, AskLslTake)
+
+    def __init__(self, session: FeatureSession) -> None:
+        super().__init__(session)
+        #: The connection of the program that sends the session; empty: none does.
+        self._console = ""
+        self._said = adopted(session.experiment)
+
+    def begin(self) -> None:
+        if LSL.of(self.session.experiment) is not None:
+            self.session.hub.publish(self._said)
+
+    def adopt(self, experiment: Experiment) -> None:
+        if (now := adopted(experiment)) != self._said:
+            self._said = now
+            self.session.hub.publish(now)
+
+    def carry_out(self, request: AskLslBegin | AskLslTell | AskLslTake, client: Client) -> str:
+        if client.role != "program":
+            raise RequestError("only a program sends a session as streams")
+        if isinstance(request, AskLslBegin):
+            if self._console not in ("", client.console):
+                raise RequestError(
+                    "another `woz lsl` sends this session already", "end that one first"
+                )
+            self._console = client.console
+        elif self._console != client.console:
+            raise RequestError("begin with lsl.begin")
+        elif isinstance(request, AskLslTell):
+            self.session.hub.publish(request.told)
+        else:
+            self._take(request)
+        return ""
+
+    def _take(self, request: AskLslTake) -> None:
+        entry = self._taken(request.stream)
+        if entry is None:
+            raise RequestError(
+                f"the file takes no stream {request.stream!r}", "name it: lsl: {take: [...]}"
+            )
+        hub = self.session.hub
+        if entry.as_ == "reading":
+            if request.value is None:
+                raise RequestError("a reading is a number")
+            hub.publish(m.Reading(sensor=entry.called, value=request.value, driver=SOURCE))
+            return
+        design = self.session.experiment.study.design
+        marker = m.Marker(
+            text=request.text[:MOST_TEXT],
+            at=min(max(request.at, 0), hub.now()),
+            source="program" if entry.as_ == "cue" else SOURCE,
+            # What another program calls its stimuli may say which condition this is.
+            tells=("condition",) if design is not None and design.blind else (),
+        )
+        hub.publish(marker)
+
+    def _taken(self, stream: str) -> TakenEntry | None:
+        settings = LSL.of(self.session.experiment)
+        takes = settings.take if settings is not None else ()
+        return next((each for each in takes if each.stream == stream), None)
+
+    def lose(self, console: str) -> None:
+        """Without its program no stream is there."""
+        if not console or console != self._console:
+            return
+        self._console = ""
+        history = self.session.state.history(LslHistory)
+        there = [(name, True) for name in history.sent] + [(name, False) for name in history.found]
+        for stream, own in there:
+            self.session.hub.publish(LslLost(stream=stream, why="woz lsl has ended", own=own))
+
+    def findings(self) -> list[Finding]:
+        """Whether somebody records, and which streams are there."""
+        if not self._console:
+            if LSL.of(self.session.experiment) is None:
+                return []
+            start = f"woz lsl {self.session.identity.session}"
+            return [Finding("warning", "lsl", "`woz lsl` does not run: nothing is sent", start)]
+        history = self.session.state.history(LslHistory)
+        findings = [
+            Finding("ok", stream.stream, "a recorder takes it")
+            if stream.taken
+            else Finding("warning", stream.stream, "nobody records it", "begin the lab's recording")
+            for stream in history.sent.values()
+        ]
+        for taken in self._said.takes:
+            found = history.found.get(taken.stream)
+            if found is not None:
+                where = found.host or "this network"
+                findings.append(Finding("ok", taken.stream, f"it comes from {where}"))
+            else:
+                remedy = "start the program that sends it, or look at its name"
+                findings.append(Finding("warning", taken.stream, "there is no such stream", remedy))
+        return findings
+
+
+def adopted(experiment: Experiment) -> LslAdopted:
+    """What `woz lsl` goes by with this file."""
+    settings = LSL.of(experiment)
+    if settings is None:
+        return LslAdopted()
+    return LslAdopted(
+        prefix=settings.prefix,
+        sensors=[*settings.sensors],
+        shares=[*settings.shares],
+        takes=[
+            TakenStream(
+                stream=each.stream,
+                source_id=each.source_id,
+                type=each.type,
+                use=each.as_,
+                sensor=each.called if each.as_ == "reading" else "",
+                every_us=round(each.every * 1e6) if each.as_ == "reading" else 0,
+            )
+            for each in settings.take
+        ],
+    )

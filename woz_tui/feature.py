@@ -107,6 +107,8 @@ class Feature:
             does not see everything.
         export: An `export.feature_export.FeatureExport`: what becomes of its lines in exports.
         exporters: Formats of `woz export`, made like `export.export_run.FORMATS`.
+        recordings: A mapping from the ends of files' names (`.xdf`) to an
+            `export.other_recording.RecordingReader`: recordings of others that it can join.
         figures: An `analysis.feature_figures.FeatureFigures`: what it counts in sessions.
         report: An `analysis.feature_report.FeatureReport`: its tables in reports and exports.
         session_kind: A `host.session_kind.SessionKind`: a kind of session without a participant.
@@ -136,6 +138,7 @@ class Feature:
     redaction: ClassVar[str] = ""
     export: ClassVar[str] = ""
     exporters: ClassVar[str] = ""
+    recordings: ClassVar[str] = ""
     figures: ClassVar[str] = ""
     report: ClassVar[str] = ""
     session_kind: ClassVar[str] = ""

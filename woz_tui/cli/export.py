@@ -13,6 +13,7 @@ from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.export.export_run import export, formats
 from woz_tui.export.exporter import ExportOptions
 from woz_tui.export.log_sources import ExportError, find_sources
+from woz_tui.export.other_recording import OtherRecording, readers
 
 
 def add(parser: ArgumentParser) -> None:
@@ -51,6 +52,20 @@ def add(parser: ArgumentParser) -> None:
         help="tables as a spreadsheet in this language opens them by a double click (csv):"
         f" {', '.join(sorted(SPREADSHEETS))}",
     )
+    other = parser.add_argument_group("a lab's recording of the session, for --to bids")
+    other.add_argument(
+        "--with",
+        dest="recording",
+        type=Path,
+        metavar="FILE",
+        help=f"join the session with it ({', '.join(readers())}): onsets are in its time",
+    )
+    other.add_argument(
+        "--stream",
+        default="",
+        metavar="NAME",
+        help="the stream whose first value is its time 0 (default: the EEG)",
+    )
     media = parser.add_argument_group("a video of the session, for --to eaf")
     media.add_argument("--media", type=Path, metavar="FILE", help="a video or sound")
     media.add_argument(
@@ -77,6 +92,8 @@ def _run(arguments: Namespace) -> int:
         )
     if arguments.spreadsheet and arguments.to != "csv":
         raise ExportError("--spreadsheet needs --to csv", "leave it out")
+    if arguments.stream and arguments.recording is None:
+        raise ExportError("--stream needs --with", "name the recording with --with")
     options = ExportOptions(
         redact=arguments.redact_text,
         samples=arguments.samples,
@@ -84,6 +101,9 @@ def _run(arguments: Namespace) -> int:
         media=arguments.media,
         spreadsheet=arguments.spreadsheet,
         offset=_microseconds(arguments),
+        recording=OtherRecording(arguments.recording, arguments.stream)
+        if arguments.recording is not None
+        else None,
     )
     sources, problems = find_sources(arguments.file)
     for problem in problems:

@@ -22,7 +22,7 @@ from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.participants import somebody_was_there
 from woz_tui.analysis.tables import ANSWERS, EVENTS, Cell, Column, TableDefinition
 from woz_tui.analysis.text_format import counted
-from woz_tui.export.event_model import ExportEvent, ExportSession, letters
+from woz_tui.export.event_model import ExportEvent, ExportSession, JoinedRecording, letters
 from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
 from woz_tui.export.log_sources import LogSource
 from woz_tui.export.output_folder import OutputFolder
@@ -65,6 +65,7 @@ class BidsExporter(Exporter):
     meaning = "a dataset in the Brain Imaging Data Structure"
     about = _ABOUT
     takes_samples = True
+    takes_recording = True
 
     def __init__(self, folder: OutputFolder, options: ExportOptions) -> None:
         super().__init__(folder, options)
@@ -104,7 +105,9 @@ class BidsExporter(Exporter):
                 "several participants: values of sensors cannot be assigned and are left out"
             )
         elif self._options.samples:
-            notes += write_physio(self._folder, paths[0], source, self._common(session))
+            notes += write_physio(
+                self._folder, paths[0], source, self._common(session), _moved_us(session) / 1e6
+            )
         return notes
 
     def _participant(self, session: ExportSession, code: str, setup: Sequence[ExportEvent]) -> str:
@@ -235,7 +238,22 @@ def _about_log(session: ExportSession) -> dict[str, Any]:
             "Damage": session.damage,
             "Redacted": session.redacted,
         },
+        **_about_recording(session.recording, session.redacted),
     }
+
+
+def _about_recording(recording: JoinedRecording | None, redacted: bool) -> dict[str, Any]:
+    """On whose time the session's onsets are."""
+    if recording is None:
+        return {}
+    about = {"Stream": recording.stream, "SessionStartSeconds": recording.offset / 1e6}
+    name = {} if redacted else {"Name": recording.name}
+    return {"Recording": {**name, **about}}
+
+
+def _moved_us(session: ExportSession) -> int:
+    """What is added to the session's times."""
+    return session.recording.offset if session.recording is not None else 0
 
 
 # -- files -----------------------------------------------------------------------------------------
@@ -285,7 +303,15 @@ def write_events(
     common: Mapping[str, Any],
 ) -> None:
     """Writes `<stem>_events.tsv` and its sidecar."""
-    events = list(events)
+    moved = _moved_us(session)
+    events = [
+        replace(
+            each,
+            begin=each.begin + moved,
+            end=None if each.end is None else each.end + moved,
+        )
+        for each in events
+    ]
     columns = _columns(EVENTS, _OF_EVENTS)
     rows = (
         [bids_cell(_event_cell(session, event, of), text=of.type == "string") for of in columns]
@@ -313,6 +339,8 @@ def write_answers(
 ) -> None:
     """Writes `<stem>_beh.tsv` and its sidecar: answers to questionnaires."""
     columns = _columns(ANSWERS, _OF_ANSWERS)
+    moved = _moved_us(session)
+    answers = (replace(each, t=each.t + moved) for each in answers)
     rows = (
         [bids_cell(of.cell(session.figures, answer), text=of.type == "string") for of in columns]
         for answer in answers
@@ -377,7 +405,11 @@ _LONGEST_US = 48 * _LONGEST_GAP_US
 
 
 def write_physio(
-    folder: OutputFolder, stem: str, source: LogSource, common: Mapping[str, Any]
+    folder: OutputFolder,
+    stem: str,
+    source: LogSource,
+    common: Mapping[str, Any],
+    began_s: float = 0.0,
 ) -> list[str]:
     """`<stem>_physio.tsv.gz` and its sidecar, read in two passes so that memory stays flat.
 
@@ -404,7 +436,7 @@ def write_physio(
         }
         for sensor in sensors
     }
-    rates = {"SamplingFrequency": RATE_HZ, "StartTime": 0, "PhysioType": "generic"}
+    rates = {"SamplingFrequency": RATE_HZ, "StartTime": began_s, "PhysioType": "generic"}
     write_json(folder, f"{stem}_physio.json", {**common, **rates, "Columns": sensors, **described})
     return resampled.notes
 

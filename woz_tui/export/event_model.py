@@ -101,6 +101,23 @@ class SoundClip:
     begin: int
 
 
+@dataclass(frozen=True, slots=True)
+class JoinedRecording:
+    """How a session lies in another program's recording.
+
+    Attributes:
+        name: Of the recording's file.
+        stream: The stream whose first value is 0 of its time.
+        offset: The session's beginning on that axis.
+        notes: What there is to know of the join, in sentences.
+    """
+
+    name: str
+    stream: str
+    offset: int
+    notes: tuple[str, ...] = ()
+
+
 @dataclass(slots=True, kw_only=True)
 class ExportSession:
     """A session without its samples.
@@ -118,6 +135,7 @@ class ExportSession:
         damage: What is wrong with the log, in sentences; empty: nothing.
         lines: How many lines were read, samples not counted.
         redacted: Whether texts and dates were taken out.
+        recording: Another program's recording, on whose time events are to be; None: on their own.
     """
 
     name: str
@@ -132,6 +150,7 @@ class ExportSession:
     damage: list[str] = field(default_factory=list)
     lines: int = 0
     redacted: bool = False
+    recording: JoinedRecording | None = None
 
     @property
     def code(self) -> str:

@@ -19,6 +19,7 @@ from woz_tui.export.log_sources import (
     UniqueNames,
     read_session,
 )
+from woz_tui.export.other_recording import joined
 from woz_tui.export.output_folder import new_folder
 from woz_tui.export.textgrid import TextGridExporter
 from woz_tui.feature import pieces
@@ -64,7 +65,11 @@ def export(
             session = read_session(source, redact=options.redact)
             session.name = names.unique(session.name)
             session.figures = replace(session.figures, stem=session.name)
-            summaries.append(_summary(session, exporter.add(session, source)))
+            notes: list[str] = []
+            if options.recording is not None:
+                session.recording = joined(options.recording, session, source)
+                notes += session.recording.notes
+            summaries.append(_summary(session, [*notes, *exporter.add(session, source)]))
             yield summaries[-1]
         exporter.finish(summaries)
 
@@ -87,6 +92,13 @@ def _keep_sources(sources: Sequence[LogSource], out: Path) -> None:
 
 
 def _refuse(sources: Sequence[LogSource], to: str, options: ExportOptions) -> None:
+    if options.recording is not None and not formats()[to].takes_recording:
+        able = " or ".join(name for name, each in formats().items() if each.takes_recording)
+        raise ExportError(f"--with needs --to {able}", "leave it out")
+    if options.recording is not None and len(sources) > 1:
+        raise ExportError(
+            f"--with needs exactly one session; these are {len(sources)}", "export them one by one"
+        )
     if options.media is None:
         return
     if to != "eaf":

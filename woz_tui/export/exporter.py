@@ -10,6 +10,7 @@ from typing import ClassVar
 from woz_tui import __version__
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.log_sources import LogSource
+from woz_tui.export.other_recording import OtherRecording
 from woz_tui.export.output_folder import README, SIGN, OutputFolder, files_section
 from woz_tui.system.text_cleaning import one_line, seconds
 
@@ -38,6 +39,7 @@ class ExportOptions:
         media: A video or sound of the session to open it with.
         spreadsheet: The language of the spreadsheet that is to open tables; empty: none.
         offset: The session's beginning in `media`, microseconds; negative: it began before.
+        recording: Another program's recording, on whose time events are to be.
     """
 
     redact: bool = False
@@ -46,6 +48,7 @@ class ExportOptions:
     media: Path | None = None
     spreadsheet: str = ""
     offset: int = 0
+    recording: OtherRecording | None = None
 
 
 @dataclass(slots=True)
@@ -67,6 +70,8 @@ class Exporter(abc.ABC):
     about: ClassVar[str]
     #: Whether it can hold the values of the sensors.
     takes_samples: ClassVar[bool] = False
+    #: Whether its times can be those of another program's recording.
+    takes_recording: ClassVar[bool] = False
 
     def __init__(self, folder: OutputFolder, options: ExportOptions) -> None:
         self._folder = folder

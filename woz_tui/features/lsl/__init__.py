@@ -15,6 +15,7 @@ class Lsl(Feature):
     session = "in_session:LslInSession"
     history = "history:LslHistory"
     export = "export:EXPORT"
+    recordings = "xdf:READERS"
     doctor = "doctor:CHECKS"
     command = CommandLine(
         "lsl",

@@ -233,15 +233,19 @@ async def test_a_session_without_any_console_is_abandoned(tmp_path: Path) -> Non
         assert await asyncio.wait_for(host.host.serve(), 20) == "abandoned"
 
 
-@pytest.mark.parametrize("listens", [False, True])
+@pytest.mark.parametrize("stays_as", ["program", "listener", "server of pages"])
 async def test_without_its_wizard_a_session_is_not_kept_by_programs(
-    tmp_path: Path, listens: bool
+    tmp_path: Path, stays_as: str
 ) -> None:
     async with served_session(tmp_path, SessionSettings(abandon_after=0.3)) as host:
         wizard, stays = await host.connect(), await host.connect()
         await wizard.hello("wizard")
-        if listens:  # as `woz listen`, which shows nothing
+        if stays_as == "listener":  # as `woz listen`, which shows nothing
             await stays.hello("watcher", stream="nothing")
+        elif stays_as == "server of pages":
+            await stays.hello("watcher", name="page", unattended=True)
+            attached = host.session.state.consoles["con2"]
+            assert attached.name == "page"
         else:
             await stays.hello("program")
         wizard.leave()

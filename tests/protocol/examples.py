@@ -382,6 +382,7 @@ REQUESTS: tuple[r.Request, ...] = (
         via="lab",
     ),
     r.Hello(ref=3, role="wizard", line="tmux"),
+    r.Hello(ref=4, role="watcher", name="page", unattended=True),
     r.Beat(ref=2),
     r.Beat(ref=3, line_ok=False),
     r.AskAction(ref=4, sent_us=5_400_000_000, action="Hello", source="key", key="h", age_us=2300),

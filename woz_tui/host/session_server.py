@@ -218,13 +218,16 @@ class SessionServer:
     def _keeps_up(self, client: ClientConnection) -> bool:
         """Consoles keep it up, a wizard's while it has its terminal. Programs do until the first
         wizard has come: then they expect one, and would go on with a robot that nobody minds.
-        Somebody who answers questions, or listens, minds no robot.
+        Somebody who answers questions, or listens, minds no robot, nor does a client at which
+        nobody sits.
         """
+        if client.hello is None or client.hello.unattended:
+            return False
         match client.role:
             case "wizard":
                 return client.line_ok
             case "watcher":
-                return client.hello is not None and client.hello.stream != "nothing"
+                return client.hello.stream != "nothing"
             case "program":
                 return self.for_program or not self._wizard_came
         return False
@@ -295,7 +298,7 @@ class SessionServer:
             m.ConsoleAttached(
                 console=client.name,
                 role=client.role,
-                name=hello.name if client.role == "program" else "",
+                name=hello.name if client.role == "program" or hello.unattended else "",
                 sees="all" if sees_all else "",
                 via=hello.via[:LONGEST_VIA],
                 part=client.part,

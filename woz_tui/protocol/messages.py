@@ -625,12 +625,12 @@ class ExperimentReloaded(Message, frozen=True, kw_only=True, tag="experiment.rel
 
 class ConsoleAttached(Message, frozen=True, kw_only=True, tag="console.attached"):
     """A console or program connected. `role`: wizard, watcher, program or participant; `name`: how
-    it calls itself (a program's alone). `sees` is `all` for a program that gets what is kept from
-    the wizard. `via`: the name of the access file with which it came from another machine.
-    `part`: which a wizard plays of those that the experiment has, or a watcher would. `line`: what
-    stands between a console and its terminal (tmux, screen or mosh; empty: nothing that it knows
-    of); `driving`: whether a wizard's keys drive while they are `held`, or as far as one press says
-    (`pressed`).
+    it calls itself (a program, or a client at which nobody sits). `sees` is `all` for a program
+    that gets what is kept from the wizard. `via`: the name of the access file with which it came
+    from another machine. `part`: which a wizard plays of those that the experiment has, or a
+    watcher would. `line`: what stands between a console and its terminal (tmux, screen or mosh;
+    empty: nothing that it knows of); `driving`: whether a wizard's keys drive while they are
+    `held`, or as far as one press says (`pressed`).
     """
 
     console: str

@@ -73,7 +73,8 @@ class Hello(Request, frozen=True, kw_only=True, tag="hello"):
     `via`: set for clients from other machines, by the process that has examined their certificate.
     `line`: what stands between a console and its terminal and answers in the terminal's place
     (tmux, screen or mosh): there a lost line is seen late or never, and keys drive while they are
-    held.
+    held. `unattended`: nobody sits at this client, as with a server of pages, so that it does not
+    keep up a session that everybody has left (`abandon_after`).
     """
 
     role: str
@@ -85,6 +86,7 @@ class Hello(Request, frozen=True, kw_only=True, tag="hello"):
     sees: Literal["", "all", "wizard"] = ""
     via: str = ""
     part: str = ""
+    unattended: bool = False
 
 
 class AskAction(Request, frozen=True, kw_only=True, tag="action"):

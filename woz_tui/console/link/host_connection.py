@@ -64,6 +64,7 @@ class HostConnection:
         clock: For the host's silence and the stamps of requests.
         silence_s: Seconds without a byte from the host after which it counts as lost.
         line: What stands between this console and its terminal; None: nothing.
+        unattended: Nobody sits here, so that it does not keep the session up.
     """
 
     def __init__(
@@ -78,6 +79,7 @@ class HostConnection:
         clock: Clock | None = None,
         silence_s: float = SILENCE_S,
         line: HiddenLine | None = None,
+        unattended: bool = False,
     ) -> None:
         #: What the terminal says of its line, by what it answers itself.
         self.line_ok = True
@@ -94,6 +96,7 @@ class HostConnection:
             take_over=take_over,
             part=part,
             line=self._line.name,
+            unattended=unattended,
         )
         self._clock = clock or RealClock()
         self._silence_us = round(silence_s * 1_000_000)

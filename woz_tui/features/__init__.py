@@ -14,4 +14,5 @@ FEATURES: tuple[str, ...] = (
     "woz_tui.features.mcap:Mcap",
     "woz_tui.features.blocks:Blocks",
     "woz_tui.features.lsl:Lsl",
+    "woz_tui.features.page:Page",
 )

@@ -16,11 +16,13 @@ from selenium.webdriver.remote.webelement import WebElement
 from selenium.webdriver.support.ui import WebDriverWait
 
 T = TypeVar("T")
-#: Nothing of the browser's own goes to a network, and no name can be looked up.
+#: No name can be looked up, and no address reached but those named behind it.
+NOWHERE = "--host-resolver-rules=MAP * ~NOTFOUND"
+#: Nothing of the browser's own goes to a network.
 FLAGS = (
     *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-    *("--disable-dev-shm-usage", "--host-resolver-rules=MAP * ~NOTFOUND"),
+    "--disable-dev-shm-usage",
 )
 #: Seconds after which what should have happened never will.
 PATIENCE = 30
@@ -45,6 +47,13 @@ class Page:
         self._log("performance")
         self.driver.get(file.as_uri() + address)
         self.until(lambda: self.run("return document.documentElement.dataset.ready") == "yes")
+
+    def visit(self, address: str) -> None:
+        """Load what a server has there."""
+        self.driver.get("about:blank")
+        self._log("browser")
+        self._log("performance")
+        self.driver.get(address)
 
     def run(self, script: str, *arguments: object) -> Any:
         """What a script in the page returns."""
@@ -117,11 +126,14 @@ class Page:
 
 
 @contextmanager
-def browser(profile: Path) -> Iterator[Page]:
-    """A browser of its own; `profile` is an empty folder for its state."""
+def browser(profile: Path, *reached: str) -> Iterator[Page]:
+    """A browser of its own; `profile` is an empty folder for its state, `reached` are the only
+    computers that it can reach.
+    """
     options = ChromeOptions()
     options.binary_location = shutil.which("chromium") or ""
-    for flag in (*FLAGS, f"--user-data-dir={profile}"):
+    nowhere = ", ".join((NOWHERE, *(f"EXCLUDE {host}" for host in reached)))
+    for flag in (*FLAGS, nowhere, f"--user-data-dir={profile}"):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     # With both paths given selenium looks for nothing, and fetches nothing.

@@ -50,7 +50,7 @@ def escaped(text: str) -> Markup:
     return Markup(html.escape(clean(text)) if _SPECIAL.search(text) else text)
 
 
-def tag(name: str, *children: Child, **attributes: Attribute) -> Markup:
+def tag(name: str, /, *children: Child, **attributes: Attribute) -> Markup:
     """An element. None and False leave an attribute out, True gives it no value; `class_` is
     `class`, and `data_number` is `data-number`.
     """

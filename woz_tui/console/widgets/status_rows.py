@@ -78,11 +78,11 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
             left = width - length(failures)
             begun = answer_of(name, (), each.under_way, state, frame, line.cut, left)
             failures = (*begun, *failures)
-    room = width - length(failures) - length(present := _present(state, frame, PRESENT))
+    room = width - length(failures) - length(present := present_row(state, frame, PRESENT))
     drivers = _drivers(state, glyphs, room - GAP if present else room)
     room -= length(drivers) + GAP
     following = _following(*line.following, room)
-    present = _present(state, frame, PRESENT + max(0, room - length(following)))
+    present = present_row(state, frame, PRESENT + max(0, room - length(following)))
     return [first, spread(drivers, (*present, *following, *failures), width, glyphs.ellipsis)]
 
 
@@ -145,7 +145,7 @@ def _values(state: ConsoleState, frame: PaintFrame) -> list[str]:
     found = (
         clean(study.participant) or "no participant",
         clean(study.condition) or ("no condition" if state.plan.conditions else ""),
-        _trial(state, frame),
+        trial_text(state, frame),
         f"with {others}" if others and state.role == "wizard" else "",
         f"questions {asked.answered}/{len(asked.items)}" if asked is not None else "",
         f"session {clean(start.session)}" if start is not None and start.session else "",
@@ -153,7 +153,7 @@ def _values(state: ConsoleState, frame: PaintFrame) -> list[str]:
     return [value for value in found if value]
 
 
-def _trial(state: ConsoleState, frame: PaintFrame) -> str:
+def trial_text(state: ConsoleState, frame: PaintFrame) -> str:
     """The trial's number and, where the robot process counts them, its time, or the break's."""
     study, now = state.session.study, frame.now
     of = f"{' of ' if frame.width >= WORDY else '/'}{study.planned}" if study.planned else ""
@@ -301,7 +301,7 @@ def _failures(state: ConsoleState, glyphs: Glyphs, key: str) -> Row:
     return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
 
 
-def _present(state: ConsoleState, frame: PaintFrame, cells: int) -> Row:
+def present_row(state: ConsoleState, frame: PaintFrame, cells: int) -> Row:
     """What features say of what holds; a name in it has so many cells at the most."""
     row: Row = ()
     for name, each in pieces("console", FeatureConsole).items():

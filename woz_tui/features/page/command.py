@@ -1,0 +1,155 @@
+"""`woz page`: a running session in browsers, for a class that watches and for the participant."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import ipaddress
+import signal
+import socket
+import ssl
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+
+from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.session_choice import JoinedSession, add_session_choice, joined_session
+from woz_tui.console.link.message_feed import Loss
+from woz_tui.features.page.visitors import PageRole, Visitors
+from woz_tui.network.listen_address import ListenAddress
+from woz_tui.system.tasks import until_first_ends
+
+#: Where it listens unless something else is said: on this computer alone.
+HERE = "127.0.0.1:8080"
+#: What `--plain` means, in words for whoever began it.
+OPEN = (
+    "Without encryption: whoever is in this network can read the pages, what participants answer"
+    " included. For a network of your own only."
+)
+#: Nobody listens there: it only says by which of its addresses this computer reaches others.
+_ELSEWHERE = ("192.0.2.1", 9)
+
+
+class PageError(Exception):
+    """Pages cannot be served so; the text says why."""
+
+
+def add(parser: ArgumentParser) -> None:
+    """Declare the command's options."""
+    add_session_choice(parser, "session")
+    parser.add_argument(
+        "--at",
+        default=HERE,
+        metavar="HOST:PORT",
+        help=f"where browsers find it (default {HERE}: on this computer, or through `ssh -L`)",
+    )
+    parser.add_argument(
+        "--plain",
+        action="store_true",
+        help="allow another address than this computer's own without encryption: everybody in the"
+        " network can read the pages and what participants answer",
+    )
+    parser.add_argument(
+        "--certificate",
+        type=Path,
+        metavar="FILE",
+        help="encrypt with this certificate (PEM, with what signed it); needs --key",
+    )
+    parser.add_argument("--key", type=Path, metavar="FILE", help="the certificate's private key")
+    parser.add_argument(
+        "--name",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a further name by which browsers call this computer, such as robot.local",
+    )
+
+
+def run(arguments: Namespace) -> int:
+    """Serve until the session ends, or ctrl+c."""
+    return with_error_sentences(lambda: _serve(arguments), PageError, ConnectionError, OSError)
+
+
+def _serve(arguments: Namespace) -> int:
+    at, tls = _address(arguments)
+    with joined_session(arguments.access, arguments.session, "woz page") as session:
+        if session is None:
+            return 1
+        with contextlib.suppress(KeyboardInterrupt):
+            asyncio.run(_pages(session, at, tls, arguments.name))
+    return 0
+
+
+def _address(arguments: Namespace) -> tuple[ListenAddress, ssl.SSLContext | None]:
+    """Where to listen, and with which encryption. Raises `PageError`."""
+    try:
+        at = ListenAddress.read(arguments.at)
+    except ValueError as error:
+        raise PageError(str(error)) from error
+    if (arguments.certificate is None) != (arguments.key is None):
+        raise PageError("--certificate and --key belong together")
+    if arguments.certificate is not None:
+        tls = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+        try:
+            tls.load_cert_chain(arguments.certificate, arguments.key)
+        except (OSError, ssl.SSLError) as error:
+            raise PageError(f"{arguments.certificate}: {error}") from error
+        return at, tls
+    if not (arguments.plain or _is_here(at.host)):
+        raise PageError(
+            f"{arguments.at} is not this computer alone, and without a certificate"
+            " everybody in the network can read the pages: --plain allows that, --certificate"
+            f" encrypts, and `ssh -L 8080:{HERE} ROBOT` shows pages of {HERE} elsewhere"
+        )
+    return at, None
+
+
+def _is_here(host: str) -> bool:
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+async def _pages(
+    session: JoinedSession, at: ListenAddress, tls: ssl.SSLContext | None, names: list[str]
+) -> None:
+    from woz_tui.features.page.server import PageServer  # noqa: PLC0415 - aiohttp, here alone
+
+    say = partial(print, flush=True)
+    explain: Callable[[Loss], Loss] | None = session.line.explained if session.line else None
+    own = {socket.gethostname(), f"{socket.gethostname()}.local", "localhost", *names}
+    server = PageServer(session.path, own, say, explain)
+    stopped = asyncio.Event()
+    asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, stopped.set)
+    try:
+        host, port = await server.start(at, tls)
+        scheme = "https" if tls is not None else "http"
+        for line in _told(server.visitors, f"{scheme}://{_reached(host)}:{port}"):
+            say(line)
+        if tls is None and not _is_here(at.host):
+            say(OPEN)
+        await until_first_ends(server.until_over(), stopped.wait())
+    finally:
+        await server.close()
+
+
+def _told(visitors: Visitors, here: str) -> Iterator[str]:
+    """Which address is for whom."""
+    yield f"To watch:         {here}/join/{visitors.codes[PageRole.WATCH]}"
+    yield f"For a class:      {here}/ with the code {visitors.class_code}"
+    yield f"The participant:  {here}/join/{visitors.codes[PageRole.ANSWER]}"
+    yield "Nothing there plays or stops the robot. The codes end with this command (ctrl+c)."
+
+
+def _reached(host: str) -> str:
+    """How others call an address on which this computer listens; of all, that of its network."""
+    if ipaddress.ip_address(host).is_unspecified:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.connect(_ELSEWHERE)  # sends nothing
+            except OSError:
+                return socket.gethostname()
+            return str(probe.getsockname()[0])
+    return f"[{host}]" if ":" in host else host

@@ -1,0 +1,252 @@
+"""Serves the pages of one session to browsers: HTML, forms, and a stream of news to each page.
+
+A process of its own beside the robot process, with one connection to the session for all who
+watch. No request plays the robot, and none stops it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import ssl
+from collections.abc import Awaitable, Callable, Collection
+from pathlib import Path
+
+from aiohttp import web
+from aiohttp.http import HttpProcessingError
+
+from woz_tui.console.link.message_feed import Loss
+from woz_tui.features.page.follower import SessionFollower
+from woz_tui.features.page.html import ASSETS, asset, code_form, say
+from woz_tui.features.page.news import News, within
+from woz_tui.features.page.same_page import (
+    SECURITY_HEADERS,
+    is_own_form,
+    is_own_host,
+    is_own_stream,
+)
+from woz_tui.features.page.visitors import Browser, PageRole, TooOftenError, Visitors
+from woz_tui.features.page.watch_page import watch_page
+from woz_tui.features.page.watch_view import watch_view
+from woz_tui.network.listen_address import ListenAddress
+from woz_tui.system.clock import Clock, RealClock
+from woz_tui.system.tasks import end_tasks
+
+#: Seconds between two updates of the watch page at least, and at most: its times go on by
+#: themselves.
+UPDATE_S, TICK_S = 0.2, 1.0
+#: Streams of news at the same time.
+MOST_STREAMS = 100
+#: Bytes of a form: an answer in words, each character of it written as several.
+_FORM_BYTES = 1 << 18
+#: Seconds for which the pages of a session that is over can still be loaded.
+FAREWELL_S = 10.0
+
+log = logging.getLogger(__name__)
+
+
+class PageServer:
+    """The pages of one session.
+
+    Args:
+        session: The session's socket.
+        names: Names by which browsers may call this computer, beside its addresses.
+        tell: Is told what whoever began this has to know, such as a new code for the class.
+        explain: As for `HostConnection`.
+        clock: For times that pass here.
+    """
+
+    def __init__(
+        self,
+        session: Path,
+        names: Collection[str] = (),
+        tell: Callable[[str], None] = lambda text: None,
+        explain: Callable[[Loss], Loss] | None = None,
+        clock: Clock | None = None,
+    ) -> None:
+        clock = clock or RealClock()
+        self.watching = SessionFollower(session, "watcher", explain, clock)
+        self.visitors = Visitors(
+            lambda code: tell(f"Too many wrong codes: the class's code is {code} now."), clock
+        )
+        self._names = frozenset(name.lower() for name in names)
+        self._news = News()
+        self._over = asyncio.Event()
+        self._cookie = ""
+        self._following: asyncio.Task[None] | None = None
+        self._runner: web.AppRunner | None = None
+
+    # -- beginning and ending -----------------------------------------------------------------
+
+    async def start(self, at: ListenAddress, tls: ssl.SSLContext | None = None) -> tuple[str, int]:
+        """Join the session and listen; returns address and port. Raises `ConnectionError`, if there
+        is no session, or `OSError`.
+        """
+        await self.watching.start()
+        application = web.Application(middlewares=[self._guarded], client_max_size=_FORM_BYTES)
+        application.on_response_prepare.append(_add_headers)
+        application.add_routes(self._routes())
+        http_log = log.getChild("http")
+        http_log.addFilter(_is_ours)
+        self._runner = web.AppRunner(
+            application,
+            access_log=None,  # it would have the codes
+            handle_signals=False,
+            logger=http_log,
+            lingering_time=0,
+            shutdown_timeout=1.0,
+        )
+        await self._runner.setup()
+        await web.TCPSite(self._runner, at.host or None, at.port, ssl_context=tls).start()
+        host, port = self._runner.addresses[0][:2]
+        # Cookies know no ports: two servers on one computer must not take each other's.
+        self._cookie = f"woz-page-{port}"
+        self._following = asyncio.create_task(self._follow(), name="watch page")
+        return host, port
+
+    async def until_over(self) -> None:
+        """Wait until the session has ended and its last words could be read."""
+        await self._over.wait()
+        await asyncio.sleep(FAREWELL_S)
+
+    async def close(self) -> None:
+        """Let everybody go."""
+        await end_tasks(self._following)
+        self._news.close()
+        self.watching.close()
+        if self._runner is not None:
+            await self._runner.cleanup()
+
+    def _routes(self) -> list[web.RouteDef]:
+        return [
+            web.get("/", self._front),
+            web.post("/code", self._typed_code),
+            web.get("/join/{code}", self._join),
+            web.get("/watch", self._watch),
+            web.get("/watch/news", self._watch_news),
+            web.get("/favicon.ico", _no_icon),
+            *(web.get(f"/{name}", _give_asset) for name in ASSETS),
+        ]
+
+    # -- who comes in ----------------------------------------------------------------------------
+
+    @web.middleware
+    async def _guarded(
+        self,
+        request: web.Request,
+        handler: Callable[[web.Request], Awaitable[web.StreamResponse]],
+    ) -> web.StreamResponse:
+        here = request.transport.get_extra_info("sockname") if request.transport else None
+        if not is_own_host(request.host, here[0] if here else "", self._names):
+            return _refused(
+                421,
+                "Not the name of this page",
+                f"The browser asked for {request.host}, which is no address of this computer. Who"
+                " began the page gives it further names with --name.",
+            )
+        reads = request.method in ("GET", "HEAD")
+        if not reads and not is_own_form(request.headers, _own_origin(request)):
+            return _refused(403, "Not from here", "No page of this server has sent this form.")
+        return await handler(request)
+
+    def _browser(self, request: web.Request, role: PageRole) -> Browser | None:
+        """The browser that sent a request, if it was let in in this role."""
+        browser = self.visitors.browser(request.cookies.get(self._cookie, ""))
+        return browser if browser is not None and browser.role is role else None
+
+    def _admitted(self, request: web.Request, browser: Browser) -> web.Response:
+        """Its cookie, and the way on: no redirection, as behind a link on somebody else's page that
+        would still be a request from there, to which browsers give no cookie.
+        """
+        title = self.watching.state.plan.title or "woz"
+        response = _html(say(title, "You are in.", onward=f"/{browser.role.value}"))
+        response.set_cookie(
+            self._cookie,
+            browser.cookie,
+            httponly=True,
+            samesite="Strict",
+            secure=request.secure,
+            path="/",
+        )
+        return response
+
+    async def _front(self, request: web.Request) -> web.Response:
+        return _html(code_form())
+
+    async def _typed_code(self, request: web.Request) -> web.Response:
+        typed = (await request.post()).get("code", "")
+        try:
+            browser = self.visitors.by_class_code(str(typed), request.remote or "")
+        except TooOftenError:
+            return _html(code_form("Too many wrong codes from here: wait a minute."), 429)
+        if browser is None:
+            return _html(code_form("This is not the code."), 403)
+        return self._admitted(request, browser)
+
+    async def _join(self, request: web.Request) -> web.Response:
+        browser = self.visitors.by_address(request.match_info["code"])
+        if browser is None:
+            return _refused(404, "Not here", "This address does not exist, or its session is over.")
+        return self._admitted(request, browser)
+
+    # -- watching ----------------------------------------------------------------------------------
+
+    async def _watch(self, request: web.Request) -> web.Response:
+        if self._browser(request, PageRole.WATCH) is None:
+            return _html(code_form("A code is needed to watch."), 403)
+        view = watch_view(self.watching.state, self.watching.now)
+        return _html(watch_page(view, big="big" in request.query))
+
+    async def _watch_news(self, request: web.Request) -> web.StreamResponse:
+        if self._browser(request, PageRole.WATCH) is None:
+            return _refused(403, "Not here", "A code is needed to watch.")
+        return await self._streamed(request, self._news)
+
+    async def _streamed(self, request: web.Request, news: News) -> web.StreamResponse:
+        if not is_own_stream(request.headers, _own_origin(request)):
+            return _refused(403, "Not from here", "No page of this server has asked for this.")
+        if news.readers >= MOST_STREAMS:
+            return _refused(503, "Full", f"{MOST_STREAMS} browsers are the most.")
+        return await news.stream(request)
+
+    async def _follow(self) -> None:
+        """Look at the session, at most so many times a second."""
+        while True:
+            await within(TICK_S, self.watching.news.wait())
+            self.watching.news.clear()
+            self._news.publish(watch_view(self.watching.state, self.watching.now))
+            if self.watching.state.ended:
+                self._over.set()
+            await asyncio.sleep(UPDATE_S)
+
+
+def _is_ours(record: logging.LogRecord) -> bool:
+    """Whether it tells a failure of ours, and not of a request that was none."""
+    raised = record.exc_info[1] if record.exc_info else None
+    return not isinstance(raised, HttpProcessingError)
+
+
+def _own_origin(request: web.Request) -> str:
+    return f"{request.scheme}://{request.host}"
+
+
+async def _add_headers(request: web.Request, response: web.StreamResponse) -> None:
+    response.headers.update(SECURITY_HEADERS)
+    response.headers["Server"] = "woz"
+
+
+def _html(text: str, status: int = 200) -> web.Response:
+    return web.Response(text=text, status=status, content_type="text/html", charset="utf-8")
+
+
+def _refused(status: int, title: str, *lines: str) -> web.Response:
+    return _html(say(title, *lines), status)
+
+
+async def _no_icon(request: web.Request) -> web.Response:
+    return web.Response(status=204)
+
+
+async def _give_asset(request: web.Request) -> web.Response:
+    name = request.path.removeprefix("/")
+    return web.Response(text=asset(name), content_type=ASSETS[name], charset="utf-8")

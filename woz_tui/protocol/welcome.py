@@ -144,6 +144,14 @@ class QuestionnaireWords(msgspec.Struct, frozen=True, omit_defaults=True):
     wants_answer: str = "Please answer this question, or press Ctrl+D to stop."
     too_long: str = "At most {most} characters."
     refused: str = "This answer was not taken. Please try again."
+    begin: str = "Begin"
+    next: str = "Next"
+    back: str = "Back"
+    skip: str = "Leave out"
+    stop_here: str = "Stop here"
+    go_on: str = "Go on"
+    change: str = "Change"
+    not_sent: str = "Not sent yet; it is tried again."
 
 
 #: What every word says by itself.

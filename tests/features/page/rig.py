@@ -28,19 +28,20 @@ class Reader:
         self.view: dict[str, Any] = {}
         self.updates = 0
 
+    async def more(self) -> None:
+        """Read one update."""
+        line = b""
+        while not line.startswith(b"data: "):
+            line = await asyncio.wait_for(self.response.content.readline(), WAIT_S)
+            assert line, f"the stream ended; seen {self.view}"
+        self.view |= json.loads(line.removeprefix(b"data: "))
+        self.updates += 1
+
     async def until(self, holds: Holds) -> dict[str, Any]:
         """Read until the view fits."""
-
-        async def look() -> dict[str, Any]:
-            while not (self.view and holds(self.view)):
-                line = await self.response.content.readline()
-                assert line, f"the stream ended; seen {self.view}"
-                if line.startswith(b"data: "):
-                    self.view |= json.loads(line.removeprefix(b"data: "))
-                    self.updates += 1
-            return self.view
-
-        return await asyncio.wait_for(look(), WAIT_S)
+        while not (self.view and holds(self.view)):
+            await self.more()
+        return self.view
 
 
 class WebBrowser:

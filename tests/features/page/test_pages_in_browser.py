@@ -5,18 +5,22 @@ from __future__ import annotations
 import asyncio
 import functools
 from collections.abc import AsyncIterator, Callable, Iterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
 import pytest
 from aiohttp import web
+from selenium.webdriver.common.by import By
 
 from tests.analysis.html.browser import Page, browser
 from tests.features.page.rig import PageRig, pages
 from tests.host.rig import served_session
+from tests.session.study_rig import STUDY, study_experiment
 from woz_tui.features.page.visitors import PageRole
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 
 pytestmark = [pytest.mark.browser, pytest.mark.real_clock]
 
@@ -38,6 +42,17 @@ async def join(page: Page, rig: PageRig, role: PageRole) -> None:
     """Open the address that lets in, and wait for the page behind it."""
     await aside(page.visit, f"{rig.here}/join/{rig.server.visitors.codes[role]}")
     await aside(page.until, lambda: page.driver.current_url == f"{rig.here}/{role.value}")
+
+
+@contextmanager
+def scripts_allowed(page: Page, allowed: bool) -> Iterator[None]:
+    """Pages run their own scripts, or not."""
+    switch = "Emulation.setScriptExecutionDisabled"
+    page.driver.execute_cdp_cmd(switch, {"value": not allowed})
+    try:
+        yield
+    finally:
+        page.driver.execute_cdp_cmd(switch, {"value": False})
 
 
 @asynccontextmanager
@@ -137,19 +152,89 @@ async def test_a_pupil_types_the_code_of_the_class(tmp_path: Path, opened: Page)
         await aside(opened.until, lambda: opened.text("#title") == "Made by hand")
 
 
+TLX = Questionnaire(
+    "tlx",
+    "The task",
+    when="hand",
+    items=tuple(
+        QuestionnaireItem(name, f"{name}?", 0, 20, ("very low", "very high"))
+        for name in ("Mental", "Physical", "Temporal", "Performance", "Effort", "Frustration")
+    ),
+)
+
+
+@pytest.mark.parametrize("scripts", [True, False])
+async def test_a_participant_answers_on_a_phone_and_loads_the_page_anew(
+    tmp_path: Path, opened: Page, scripts: bool
+) -> None:
+    made = study_experiment(tmp_path, replace(STUDY, questionnaires=(TLX,)))
+    opened.size(360, 640)
+
+    def answer(item: str, value: int) -> None:
+        opened.until(lambda: opened.driver.find_elements(By.XPATH, f"//legend[.='{item}?']"))
+        opened.hands().click(opened.one(f"input[name=value][value='{value}']")).perform()
+        # A double tap.
+        opened.hands().double_click(opened.one("button[value=answer]")).perform()
+
+    with scripts_allowed(opened, scripts):
+        async with served_session(tmp_path, made=made) as host, pages(host) as rig:
+            wizard = await host.connect()
+            await wizard.hello("wizard")
+            await join(opened, rig, PageRole.ANSWER)
+            await aside(opened.until, lambda: opened.one(".said").text == "Please wait.")
+            await wizard.ask("questionnaire", questionnaire="tlx", what="begin")
+            begin = "button[value=begin]"
+            await aside(opened.until, lambda: opened.all(begin))
+            await aside(lambda: opened.one(begin).click())
+            for number, item in enumerate(TLX.items):
+                await aside(answer, item.name, number)
+                if number == 2:
+                    await aside(opened.driver.refresh)
+            await aside(opened.until, lambda: opened.all("button[value=done]"))
+            wide = "return document.documentElement.scrollWidth" if scripts else "return 360"
+            assert await aside(opened.run, wide) <= 360
+            await aside(lambda: opened.one("button[value=done]").click())
+            await aside(opened.until, lambda: opened.one(".said").text == "Thank you!")
+            answers = [line for line in host.lines if isinstance(line, m.QuestionnaireAnswered)]
+    assert [(line.item, line.value) for line in answers] == [
+        (item.name, float(number)) for number, item in enumerate(TLX.items)
+    ]
+    assert all(line.answered_us >= 0 for line in answers)
+
+
+async def test_what_was_typed_survives_loading_anew_and_a_lost_line(
+    tmp_path: Path, opened: Page
+) -> None:
+    asked = Questionnaire(
+        "free", "Free", when="hand", items=(QuestionnaireItem("why", "Why?", text=True),)
+    )
+    made = study_experiment(tmp_path, replace(STUDY, questionnaires=(asked,)))
+    async with served_session(tmp_path, made=made) as host, pages(host) as rig:
+        wizard = await host.connect()
+        await wizard.hello("wizard")
+        await join(opened, rig, PageRole.ANSWER)
+        await wizard.ask("questionnaire", questionnaire="free", what="begin")
+        await aside(opened.until, lambda: opened.all("button[value=begin]"))
+        await aside(lambda: opened.one("button[value=begin]").click())
+        await aside(opened.until, lambda: opened.all("textarea"))
+        await aside(lambda: opened.one("textarea").send_keys("Because it"))
+        await aside(opened.driver.refresh)
+        typed = "return document.querySelector('textarea').value"
+        await aside(opened.until, lambda: opened.run(typed) == "Because it")
+        offline = {"offline": True, "latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
+        await aside(opened.driver.execute_cdp_cmd, "Network.enable", {})
+        await aside(opened.driver.execute_cdp_cmd, "Network.emulateNetworkConditions", offline)
+        await aside(lambda: opened.one("button[value=answer]").click())
+        await aside(opened.until, lambda: "Not sent yet" in opened.text("#complaint"))
+        online = {**offline, "offline": False, "downloadThroughput": -1, "uploadThroughput": -1}
+        await aside(opened.driver.execute_cdp_cmd, "Network.emulateNetworkConditions", online)
+        await aside(opened.until, lambda: opened.all("button[value=done]"))
+        answers = [line.text for line in host.lines if isinstance(line, m.QuestionnaireAnswered)]
+        assert answers == ["Because it"]
+
+
 async def test_without_javascript_the_page_is_whole(tmp_path: Path, opened: Page) -> None:
     async with served_session(tmp_path) as host, pages(host) as rig:
-        try:
-            await aside(
-                opened.driver.execute_cdp_cmd,
-                "Emulation.setScriptExecutionDisabled",
-                {"value": True},
-            )
+        with scripts_allowed(opened, False):
             await join(opened, rig, PageRole.WATCH)
             assert (await aside(opened.one, "#title")).text == "Made by hand"
-        finally:
-            await aside(
-                opened.driver.execute_cdp_cmd,
-                "Emulation.setScriptExecutionDisabled",
-                {"value": False},
-            )

@@ -32,10 +32,19 @@ async def rig(tmp_path: Path) -> AsyncIterator[PageRig]:
 
 async def test_without_a_code_nothing_is_told(rig: PageRig) -> None:
     stranger = await rig.stranger()
-    for path in ("/watch", "/watch/news"):
+    for path in ("/watch", "/watch/news", "/answer", "/answer/news"):
         status, said = await stranger.get(path, **{"Sec-Fetch-Site": "same-origin"})
         assert status == 403
         assert "Made by hand" not in said
+    status, _ = await stranger.post("/answer", what="done")
+    assert status == 403
+
+
+async def test_a_code_is_good_for_its_page_alone(rig: PageRig) -> None:
+    watcher, participant = await rig.watcher(), await rig.participant()
+    assert (await watcher.get("/watch"))[0] == (await participant.get("/answer"))[0] == 200
+    assert (await watcher.get("/answer"))[0] == (await participant.get("/watch"))[0] == 403
+    assert (await watcher.post("/answer", what="done"))[0] == 403
 
 
 async def test_a_guessed_address_does_not_exist(rig: PageRig) -> None:
@@ -53,6 +62,7 @@ async def test_a_form_from_elsewhere_is_refused_whoever_sends_it(
 ) -> None:
     """Also from another port of this computer, whose pages send the cookie along."""
     participant = await rig.participant()
+    assert (await participant.post("/answer", origin, what="done"))[0] == 403
     code = rig.server.visitors.class_code
     assert (await participant.post("/code", origin, code=code))[0] == 403
     assert (await participant.post("/code", code=code))[0] == 200

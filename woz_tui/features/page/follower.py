@@ -25,6 +25,7 @@ class SessionFollower:
         role: `watcher` or `participant`.
         explain: As for `HostConnection`.
         clock: The time against which messages age.
+        heard: Is given each message, once the state has taken it.
     """
 
     def __init__(
@@ -33,7 +34,9 @@ class SessionFollower:
         role: str,
         explain: Callable[[Loss], Loss] | None = None,
         clock: Clock | None = None,
+        heard: Callable[[Incoming], None] = lambda message: None,
     ) -> None:
+        self._heard = heard
         self.state = ConsoleState()
         #: Set whenever something is new; whoever waits for it clears it.
         self.news = asyncio.Event()
@@ -91,6 +94,7 @@ class SessionFollower:
         for message in batch:
             if isinstance(message, Reply):
                 self._answer(message.ref, message)
+            self._heard(message)
         self.news.set()
 
     def _lose(self, loss: Loss) -> None:

@@ -10,12 +10,14 @@ import asyncio
 import logging
 import ssl
 from collections.abc import Awaitable, Callable, Collection
+from functools import partial
 from pathlib import Path
 
 from aiohttp import web
 from aiohttp.http import HttpProcessingError
 
 from woz_tui.console.link.message_feed import Loss
+from woz_tui.features.page.answer_page import answer_page
 from woz_tui.features.page.follower import SessionFollower
 from woz_tui.features.page.html import ASSETS, asset, code_form, say
 from woz_tui.features.page.news import News, within
@@ -25,6 +27,7 @@ from woz_tui.features.page.same_page import (
     is_own_host,
     is_own_stream,
 )
+from woz_tui.features.page.seat import NotSentError, ParticipantSeat
 from woz_tui.features.page.visitors import Browser, PageRole, TooOftenError, Visitors
 from woz_tui.features.page.watch_page import watch_page
 from woz_tui.features.page.watch_view import watch_view
@@ -41,6 +44,8 @@ MOST_STREAMS = 100
 _FORM_BYTES = 1 << 18
 #: Seconds for which the pages of a session that is over can still be loaded.
 FAREWELL_S = 10.0
+#: Browsers in which somebody answers at the same time.
+MOST_SEATS = 8
 
 log = logging.getLogger(__name__)
 
@@ -70,6 +75,8 @@ class PageServer:
             lambda code: tell(f"Too many wrong codes: the class's code is {code} now."), clock
         )
         self._names = frozenset(name.lower() for name in names)
+        self._join_session = partial(ParticipantSeat, session, clock, explain)
+        self._seats: dict[str, ParticipantSeat] = {}
         self._news = News()
         self._over = asyncio.Event()
         self._cookie = ""
@@ -113,6 +120,8 @@ class PageServer:
         """Let everybody go."""
         await end_tasks(self._following)
         self._news.close()
+        for seat in self._seats.values():
+            await seat.close()
         self.watching.close()
         if self._runner is not None:
             await self._runner.cleanup()
@@ -124,6 +133,9 @@ class PageServer:
             web.get("/join/{code}", self._join),
             web.get("/watch", self._watch),
             web.get("/watch/news", self._watch_news),
+            web.get("/answer", self._answer),
+            web.post("/answer", self._answered),
+            web.get("/answer/news", self._answer_news),
             web.get("/favicon.ico", _no_icon),
             *(web.get(f"/{name}", _give_asset) for name in ASSETS),
         ]
@@ -201,6 +213,51 @@ class PageServer:
         if self._browser(request, PageRole.WATCH) is None:
             return _refused(403, "Not here", "A code is needed to watch.")
         return await self._streamed(request, self._news)
+
+    # -- answering ---------------------------------------------------------------------------------
+
+    async def _seat(self, request: web.Request) -> ParticipantSeat:
+        """That of the browser which sent a request; it joins the session with the first one. Raises
+        `web.HTTPException`.
+        """
+        browser = self._browser(request, PageRole.ANSWER)
+        if browser is None:
+            raise web.HTTPForbidden(
+                text=say("Not here", "The address with the code is needed."),
+                content_type="text/html",
+            )
+        seat = self._seats.get(browser.cookie)
+        if seat is None:
+            while len(self._seats) >= MOST_SEATS:  # a tablet that has forgotten its cookie
+                idle = [cookie for cookie, each in self._seats.items() if not each.news.readers]
+                await self._seats.pop((idle or [*self._seats])[0]).close()
+            seat = self._seats[browser.cookie] = self._join_session()
+        try:
+            await seat.start()
+        except ConnectionError:
+            text = say("Not now", "The session does not answer. Please load this page again.")
+            unavailable = web.HTTPServiceUnavailable(text=text, content_type="text/html")
+            raise unavailable from None
+        return seat
+
+    async def _answer(self, request: web.Request) -> web.Response:
+        return _html(answer_page(await self._seat(request), request.query))
+
+    async def _answered(self, request: web.Request) -> web.Response:
+        """The next page comes by its own address, so that loading it anew sends nothing."""
+        seat, form = await self._seat(request), await request.post()
+        try:
+            await seat.take({name: str(value) for name, value in form.items()})
+        except NotSentError:
+            return _html(say(seat.words.not_sent, seat.words.moment, onward="/answer"), 503)
+        raise web.HTTPSeeOther("/answer")
+
+    async def _answer_news(self, request: web.Request) -> web.StreamResponse:
+        seat = await self._seat(request)
+        seat.publish()  # a page that is just loaded is newer than what was told
+        return await self._streamed(request, seat.news)
+
+    # -- news --------------------------------------------------------------------------------------
 
     async def _streamed(self, request: web.Request, news: News) -> web.StreamResponse:
         if not is_own_stream(request.headers, _own_origin(request)):

@@ -1,0 +1,93 @@
+// Sends forms without leaving the page, and keeps what has not been sent yet.
+"use strict";
+
+const sheet = document.querySelector(".sheet");
+const form = document.querySelector("form");
+const AGAIN_MS = 2000;
+
+// From when on somebody could see it, by this page's own clock.
+let shown = performance.now();
+requestAnimationFrame(() => { shown = performance.now(); });
+
+const kept = {
+  get: (name) => { try { return sessionStorage.getItem(name); } catch { return null; } },
+  set: (name, text) => { try { sessionStorage.setItem(name, text); } catch { /* not allowed here */ } },
+  drop: (name) => { try { sessionStorage.removeItem(name); } catch { /* not allowed here */ } },
+};
+
+function place() {
+  const item = form && form.elements.namedItem("item");
+  return item ? `${sheet.dataset.round} ${item.value}` : "";
+}
+
+function keepDraft() {
+  const told = [...new FormData(form)].filter(([name]) => name === "value" || name === "text");
+  kept.set(place(), JSON.stringify(Object.fromEntries(told)));
+}
+
+function useDraft() {
+  const draft = JSON.parse(kept.get(place()) || "{}");
+  for (const field of form.querySelectorAll("input[name=value], textarea")) {
+    if (!(field.name in draft)) continue;
+    if (field.type === "radio") field.checked = field.value === draft.value;
+    else field.value = draft[field.name];
+  }
+}
+
+function complain(text) {
+  document.getElementById("complaint").textContent = text;
+}
+
+async function send(fields) {
+  try {
+    // A redirection says that it was taken; where to, the browser does not tell.
+    const answer = await fetch(form.action, { method: "POST", body: fields, redirect: "manual" });
+    if (answer.type === "opaqueredirect") {
+      kept.drop(place());
+      location.replace("/answer");
+      return;
+    }
+    if (answer.status !== 503) {
+      location.reload();
+      return;
+    }
+  } catch { /* the line is away */ }
+  complain(sheet.dataset.unsent);
+  setTimeout(send, AGAIN_MS, fields);
+}
+
+function submit(event) {
+  event.preventDefault();
+  if (form.dataset.sent) return;  // a double tap
+  form.dataset.sent = "yes";
+  const fields = new URLSearchParams(new FormData(form));
+  fields.set("what", event.submitter ? event.submitter.value : "answer");
+  const before = form.elements.namedItem("before");
+  if (before) fields.set("took", String(Math.round(Number(before.value) + performance.now() - shown)));
+  for (const button of form.querySelectorAll("button")) button.disabled = true;
+  send(fields);
+}
+
+if (form) {
+  if (place()) {
+    useDraft();
+    form.addEventListener("input", keepDraft);
+  }
+  form.addEventListener("submit", submit);
+}
+
+const source = new EventSource("/answer/news");
+source.onmessage = (message) => {
+  const news = JSON.parse(message.data);
+  // A form stays while the session is away: it is sent when the session is back.
+  const stays = news.round === "lost" && form;
+  if (news.round && news.round !== sheet.dataset.round && !stays) location.replace("/answer");
+  // Answered on another tablet. Who changes an answer of before stays there.
+  const elsewhere = "open" in news && news.open !== sheet.dataset.open;
+  if (elsewhere && place() && !form.dataset.sent && !location.search) location.replace("/answer");
+  if ("notice" in news) {
+    const notice = document.getElementById("notice");
+    notice.textContent = news.notice;
+    notice.hidden = !news.notice;
+  }
+};

@@ -1,0 +1,177 @@
+"""The participant's page as HTML: one thing at a time, in forms that need no JavaScript.
+
+`assets/answer.js` sends them without leaving the page, keeps what is not sent yet, measures by the
+page's own clock, and loads the page anew when something else is asked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
+from woz_tui.console.state.questionnaires import ItemAnswer, OpenQuestionnaire
+from woz_tui.features.page.html import hidden, page
+from woz_tui.features.page.item_forms import ITEM_FORMS, kind_of
+from woz_tui.features.page.seat import ParticipantSeat
+from woz_tui.protocol.welcome import QuestionnaireItem
+
+#: Seconds after which a browser without JavaScript looks whether something is asked.
+_AGAIN_S = 3
+HERE = "/answer"
+
+
+def answer_page(seat: ParticipantSeat, wanted: Mapping[str, str]) -> str:
+    """What this browser shows now. `wanted`: the item that was chosen to be changed (`item`), or
+    that somebody wants to stop (`stop`).
+    """
+    asked = seat.asked
+    if asked is None or seat.lost:
+        return _nothing_asked(seat)
+    items = {item.name: item for item in asked.items}
+    chosen = items.get(wanted.get("item", ""))
+    if "stop" in wanted:
+        return _decline(seat, asked)
+    if not seat.introduced and chosen is None:
+        return _introduction(seat, asked)
+    chosen = chosen or items.get(seat.open_item)
+    return _summary(seat, asked) if chosen is None else _item(seat, asked, chosen)
+
+
+def _page(seat: ParticipantSeat, title: str, *body: Child, again_s: float = 0) -> str:
+    """A page of this seat; what has been wrong is said once."""
+    notice = tag("p", seat.notice, id="notice", role="status", hidden=not seat.notice)
+    complaint, seat.complaint = seat.complaint, ""
+    wrong = tag("p", complaint, id="complaint", role="alert", class_="complaint")
+    sheet = tag(
+        "main",
+        notice,
+        wrong,
+        *body,
+        class_="sheet",
+        data_round=seat.round,
+        data_open=seat.open_item,
+        data_unsent=seat.words.not_sent,
+    )
+    return page(title, sheet, script="answer.js", again_s=again_s)
+
+
+def _nothing_asked(seat: ParticipantSeat) -> str:
+    words = seat.words
+    lines = [words.moment, words.kept] if seat.lost else [words.wait]
+    if seat.thanks:
+        lines = [words.thanks]
+    told = (tag("p", line, class_="said") for line in lines)
+    return _page(seat, lines[0], tag("div", told, class_="waiting"), again_s=_AGAIN_S)
+
+
+def _introduction(seat: ParticipantSeat, asked: OpenQuestionnaire) -> str:
+    count = len(asked.items)
+    words, told = seat.words, asked.questionnaire.introduction.strip().split("\n")
+    many = words.questions_one if count == 1 else words.questions.format(count=count)
+    return _page(
+        seat,
+        asked.questionnaire.heading,
+        tag("h1", isolated(asked.questionnaire.heading)),
+        (tag("p", isolated(line)) for line in told),
+        tag("p", many, class_="muted"),
+        _form(seat, tag("div", _button("begin", words.begin), class_="buttons")),
+        _stop(seat),
+    )
+
+
+def _item(seat: ParticipantSeat, asked: OpenQuestionnaire, item: QuestionnaireItem) -> str:
+    words, place = seat.words, [each.name for each in asked.items].index(item.name)
+    shown_us = seat.show(item.name)
+    answer = asked.answers.get(item.name) or ItemAnswer()
+    fields = ITEM_FORMS[kind_of(item)].fields(item, answer, words)
+    hint = tag("p", words.optional, class_="muted") if item.optional else None
+    buttons = (
+        _button("answer", words.next),
+        _button("skip", words.skip, quiet=True) if item.optional else None,
+    )
+    back = f"{HERE}?item={asked.items[place - 1].name}" if place else ""
+    count = len(asked.items)
+    return _page(
+        seat,
+        asked.questionnaire.heading,
+        tag(
+            "header",
+            tag("span", isolated(asked.questionnaire.heading)),
+            tag("span", words.position.format(number=place + 1, count=count)),
+        ),
+        tag("progress", value=str(asked.answered), max=str(count), aria_hidden="true"),
+        _form(
+            seat,
+            hidden("item", item.name),
+            hidden("before", str(shown_us // 1000)),
+            tag("fieldset", tag("legend", isolated(item.question)), hint, fields),
+            tag("div", buttons, class_="buttons"),
+        ),
+        _stop(seat, tag("a", words.back, href=back) if back else None),
+    )
+
+
+def _summary(seat: ParticipantSeat, asked: OpenQuestionnaire) -> str:
+    """All answers, each with a way to change it, and the way to finish."""
+    words = seat.words
+    rows = []
+    for item in asked.items:
+        answer = asked.answers.get(item.name)
+        said = words.no_answer if answer is None else answer.shown(words.left_out)
+        about = tag("span", item.question, class_="unseen")
+        change = tag("a", words.change, " ", about, href=f"{HERE}?item={item.name}")
+        rows += [tag("dt", isolated(item.question)), tag("dd", isolated(said), " ", change)]
+    return _page(
+        seat,
+        asked.questionnaire.heading,
+        tag("h1", isolated(asked.questionnaire.heading)),
+        tag("dl", rows),
+        _form(seat, tag("div", _button("done", words.finish), class_="buttons")),
+        _stop(seat),
+    )
+
+
+def _decline(seat: ParticipantSeat, asked: OpenQuestionnaire) -> str:
+    words = seat.words
+    buttons = (
+        tag("a", words.go_on, href=HERE, class_="button"),
+        _button("declined", words.stop_here, quiet=True),
+    )
+    return _page(
+        seat,
+        asked.questionnaire.heading,
+        tag("h1", words.stop_question),
+        tag("p", words.stop_kept),
+        _form(seat, tag("div", buttons, class_="buttons")),
+    )
+
+
+def _form(seat: ParticipantSeat, *content: Child) -> Markup:
+    number = hidden("form", seat.next_form())
+    return tag(
+        "form",
+        hidden("round", seat.round),
+        number,
+        *content,
+        method="post",
+        action=HERE,
+        autocomplete="off",
+    )
+
+
+def _button(what: str, text: str, *, quiet: bool = False) -> Markup:
+    """A button that sends the form; a quiet one also a form that is not filled in."""
+    return tag(
+        "button",
+        text,
+        type="submit",
+        name="what",
+        value=what,
+        class_="quiet" if quiet else None,
+        formnovalidate=quiet,
+    )
+
+
+def _stop(seat: ParticipantSeat, *before: Child) -> Markup:
+    """Small ways out, at the end of the page."""
+    return tag("footer", *before, tag("a", seat.words.stop_here, href=f"{HERE}?stop"))

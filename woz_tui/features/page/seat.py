@@ -1,0 +1,232 @@
+"""Somebody who answers in a browser: a connection of its own, and where this page stands.
+
+What was answered is kept by the session, so that a page can be loaded anew at any moment, on
+another tablet too. Here is only what belongs to the page itself.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from woz_tui.console.link.message_feed import GONE, Incoming, Loss
+from woz_tui.console.state.questionnaires import ItemAnswer, OpenQuestionnaire
+from woz_tui.features.page.follower import SessionFollower
+from woz_tui.features.page.item_forms import UnreadAnswerError, answer_of
+from woz_tui.features.page.news import News, within
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
+from woz_tui.protocol.welcome import QuestionnaireItem, QuestionnaireWords
+from woz_tui.system.clock import Clock
+from woz_tui.system.tasks import end_tasks
+
+#: Seconds for which the session may take to say what holds.
+_WELCOME_S = 3.0
+#: Forms whose second sending is known.
+_FORMS = 50
+#: What ends a questionnaire.
+_ENDS = ("done", "declined")
+
+
+class NotSentError(Exception):
+    """The robot process does not answer: nobody knows whether it came."""
+
+
+class ParticipantSeat:
+    """One browser in which somebody answers.
+
+    Args:
+        path: The session's socket.
+        clock: For how long something was on the page, where the page itself does not say.
+        explain: As for `HostConnection`.
+    """
+
+    def __init__(
+        self, path: Path, clock: Clock, explain: Callable[[Loss], Loss] | None = None
+    ) -> None:
+        self.follower = SessionFollower(path, "participant", explain, clock, self._hear)
+        self.news = News()
+        #: Whether the last questionnaire is over, so that somebody is to be thanked.
+        self.thanks = False
+        #: Why the last form was not taken.
+        self.complaint = ""
+        self._clock = clock
+        self._introduced: object = None
+        self._shown: tuple[object, str] = (None, "")
+        self._shown_us = 0
+        self._forms = 0
+        #: What the last forms said, by their numbers.
+        self._sent: dict[str, Mapping[str, Any]] = {}
+        self._one = asyncio.Lock()
+        self._joining: asyncio.Task[None] | None = None
+        self._following: asyncio.Task[None] | None = None
+
+    async def start(self) -> None:
+        """Join the session, unless that is done; returns when it has told what holds. Raises
+        `ConnectionError`.
+        """
+        failed = self._joining is not None and self._joining.done() and self._following is None
+        if self._joining is None or failed:
+            self._joining = asyncio.create_task(self._join(), name="participant's page")
+        await asyncio.shield(self._joining)
+
+    async def _join(self) -> None:
+        await self.follower.start()
+        await within(_WELCOME_S, self.follower.news.wait())
+        self._following = asyncio.create_task(self._follow(), name="participant's news")
+
+    async def _follow(self) -> None:
+        while True:
+            self.follower.news.clear()
+            self.publish()
+            await self.follower.news.wait()
+
+    async def close(self) -> None:
+        """Leave the session."""
+        await end_tasks(self._joining, self._following)
+        self.news.close()
+        self.follower.close()
+
+    # -- what holds -----------------------------------------------------------------------------
+
+    @property
+    def asked(self) -> OpenQuestionnaire | None:
+        """The questionnaire that is put to somebody now."""
+        return self.follower.state.study.open_questionnaire
+
+    @property
+    def words(self) -> QuestionnaireWords:
+        """What the page says by itself."""
+        return self.follower.state.settings.study.words
+
+    @property
+    def lost(self) -> bool:
+        """Whether the robot process cannot be reached, although its session goes on."""
+        state = self.follower.state
+        return bool(state.lost or not state.welcomed) and not state.ended
+
+    @property
+    def round(self) -> str:
+        """What is asked, in a word that is another one each time; a page of another round is to be
+        loaded anew.
+        """
+        if self.lost:
+            return "lost"
+        asked = self.asked
+        return f"{asked.began}-{asked.name}" if asked is not None else f"none-{self.thanks}"
+
+    @property
+    def introduced(self) -> bool:
+        """Whether the introduction was read in this round."""
+        asked = self.asked
+        return asked is not None and (bool(asked.answers) or self._introduced == asked.round)
+
+    @property
+    def open_item(self) -> str:
+        """The first item that nobody has answered, here or on another tablet; empty: all are."""
+        asked = self.asked
+        place = asked.first_open() if asked is not None else 0
+        return asked.items[place].name if asked is not None and place < len(asked.items) else ""
+
+    @property
+    def notice(self) -> str:
+        """What the page says beside everything else."""
+        return self.words.stopped if self.follower.state.session.stop is not None else ""
+
+    def publish(self) -> None:
+        """Tell open pages what is asked."""
+        told = {"round": self.round, "open": self.open_item, "notice": self.notice}
+        self.news.publish(told)
+
+    def _hear(self, message: Incoming) -> None:
+        match message:
+            case m.QuestionnaireEnded():
+                self.thanks = message.reason != "left"
+            case m.QuestionnaireStarted():
+                self.thanks = False
+
+    # -- what is on the page --------------------------------------------------------------------
+
+    def show(self, item: str) -> int:
+        """An item is about to be shown; for how long it has been so far, in microseconds: a page
+        that is loaded anew shows it still.
+        """
+        shown = (self.round, item)
+        if shown != self._shown:
+            self._shown, self._shown_us = shown, self._clock.now_us()
+        return self._clock.now_us() - self._shown_us
+
+    def next_form(self) -> str:
+        """A number for a form, by which its second sending is known."""
+        self._forms += 1
+        return str(self._forms)
+
+    # -- what is sent ---------------------------------------------------------------------------
+
+    async def take(self, form: Mapping[str, Any]) -> None:
+        """Work in a form that was sent. One that was sent twice, by a double tap or by loading a
+        page anew, counts once. Raises `NotSentError`.
+        """
+        async with self._one:
+            number = str(form.get("form", ""))
+            asked = self.asked
+            if self.lost:
+                raise NotSentError
+            if asked is None or form.get("round") != self.round or self._sent.get(number) == form:
+                return
+            self.complaint = ""
+            await self._take(asked, form)
+            self._sent[number] = form
+            if len(self._sent) > _FORMS:
+                del self._sent[next(iter(self._sent))]
+
+    async def _take(self, asked: OpenQuestionnaire, form: Mapping[str, Any]) -> None:
+        what = form.get("what", "")
+        if what == "begin":
+            self._introduced = asked.round
+        elif what in _ENDS:
+            await self._ask(
+                AskQuestionnaire(questionnaire=asked.name, what=what, source="participant")
+            )
+        elif item := next((each for each in asked.items if each.name == form.get("item")), None):
+            await self._answer(asked, item, form)
+
+    async def _answer(
+        self, asked: OpenQuestionnaire, item: QuestionnaireItem, form: Mapping[str, Any]
+    ) -> None:
+        if form.get("what") == "skip":
+            answer = AskAnswer(questionnaire="", item=item.name, skipped=True)
+        else:
+            try:
+                answer = answer_of(item, form, self.words)
+            except UnreadAnswerError as error:
+                self.complaint = str(error)
+                return
+        took_us = self._took_us(item.name, form)
+        answer = msgspec.structs.replace(answer, questionnaire=asked.name, answered_us=took_us)
+        if await self._ask(answer):
+            value = None if answer.value is None else round(answer.value)
+            asked.answers[item.name] = ItemAnswer(value, answer.text, answer.skipped)
+            self._shown = (None, "")
+
+    def _took_us(self, item: str, form: Mapping[str, Any]) -> int:
+        """How long an item was shown, by the page's own clock; it cannot be longer than since the
+        page was given away.
+        """
+        here = self.show(item)
+        try:
+            return min(here, max(0, round(float(form["took"]) * 1000)))
+        except (KeyError, ValueError, OverflowError):
+            return here  # a browser without JavaScript
+
+    async def _ask(self, request: AskAnswer | AskQuestionnaire) -> bool:
+        """Whether the session took it; a refusal becomes the complaint."""
+        reply = await self.follower.ask(request)
+        if reply.reason == GONE:
+            raise NotSentError
+        self.complaint = "" if reply.ok else self.words.refused
+        return reply.ok

@@ -164,7 +164,8 @@ class StudySettings(msgspec.Struct, frozen=True):
     `blind`: condition -> label; for whoever is blind to the condition, label -> label.
     `by_condition`: variable -> condition -> text. The last six are as of this moment: `assigned`
     is the participant's order of conditions, `trial` the number of the next one or of that which
-    is `running`, `due` names questionnaires. `words`: what participants read of the console.
+    is `running`, `due` names questionnaires. `words`: what participants read of the console, in the
+    `language` of the experiment (its code).
     """
 
     design: DesignView | None = None
@@ -182,6 +183,7 @@ class StudySettings(msgspec.Struct, frozen=True):
     on_break: bool = False
     due: list[str] = []
     words: QuestionnaireWords = ENGLISH
+    language: str = ""
 
 
 class ReplayedLog(msgspec.Struct, frozen=True):

@@ -32,6 +32,7 @@ def study_settings(experiment: Experiment) -> s.StudySettings:
         preflight=[*map(s.PreflightCheck, study.preflight)],
         perception=s.PerceptionView([*study.perception.hide], [*study.perception.blur]),
         words=experiment.words,
+        language=experiment.language,
         answers={cue: [*names] for cue, names in study.answers.items()},
         by_condition={name: dict(texts) for name, texts in experiment.by_condition.items()},
         **of_features,

@@ -4,15 +4,28 @@ from __future__ import annotations
 
 import asyncio
 import re
+import ssl
 import sys
+from collections.abc import Mapping
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from ipaddress import ip_address
 from pathlib import Path
+from typing import Any
 
 import aiohttp
 import pytest
+from cryptography import x509
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.hazmat.primitives.hashes import SHA256
+from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
 
 from tests.host.rig import served_session
-from tests.session.rig import WAIT_S
+from tests.session.rig import WAIT_S, ScriptedDriver, experiment
 from woz_tui.cli import main
+from woz_tui.drivers.contract import Argument, Job, Offer, Verb
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 
 
 @pytest.mark.parametrize(
@@ -31,6 +44,82 @@ def test_what_would_be_open_to_everybody_has_to_be_said(
 ) -> None:
     assert main(["page", *options]) == 1
     assert needed in capsys.readouterr().err
+
+
+class TabletDriver(ScriptedDriver):
+    """A robot with a tablet."""
+
+    @classmethod
+    def offer(cls, settings: Any) -> Offer:
+        screen = Verb("screen", "", (Argument("file", "text"),), lane="screen")
+        return Offer(verbs=(screen,))
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        self.calls.append((job.verb, dict(job.args)))
+        return dict(job.args)
+
+
+async def test_the_robots_tablet_shows_the_participants_page(tmp_path: Path) -> None:
+    made = experiment(tmp_path)
+    drivers = (replace(made.drivers[0], offer=TabletDriver.offer(None)),)
+    made = replace(made, drivers=drivers, panels=(), script=())
+    async with served_session(tmp_path, made=made, catalogue={"puppet": TabletDriver}) as host:
+        process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "woz_tui", "page", str(host.path)),
+            *("--at", "127.0.0.1:0", "--tablet"),
+            stdout=asyncio.subprocess.PIPE,
+        )
+        assert process.stdout is not None
+        said = [await asyncio.wait_for(process.stdout.readline(), WAIT_S) for _ in range(3)]
+        sent = await host.published(lambda line: isinstance(line, m.Command))
+        assert isinstance(sent, m.Command)
+        assert (sent.verb, sent.args) == ("screen", {"file": said[2].split()[-1].decode()})
+        process.terminate()
+        assert await asyncio.wait_for(process.wait(), WAIT_S) == 0
+
+
+def certificate(folder: Path) -> tuple[Path, Path]:
+    """A certificate for 127.0.0.1 that has signed itself, and its key."""
+    key = ec.generate_private_key(ec.SECP256R1())
+    name = x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, "robot")])
+    here = x509.SubjectAlternativeName([x509.IPAddress(ip_address("127.0.0.1"))])
+    begins = datetime(2000, 1, 1, tzinfo=UTC)
+    made = (
+        x509.CertificateBuilder(name, name, key.public_key(), x509.random_serial_number())
+        .not_valid_before(begins)
+        .not_valid_after(begins + timedelta(days=36500))
+        .add_extension(here, critical=False)
+        .sign(key, SHA256())
+    )
+    form = Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()
+    (folder / "page.pem").write_bytes(made.public_bytes(Encoding.PEM))
+    (folder / "page.key").write_bytes(key.private_bytes(*form))
+    return folder / "page.pem", folder / "page.key"
+
+
+async def test_with_a_certificate_pages_and_forms_are_encrypted(tmp_path: Path) -> None:
+    made, key = certificate(tmp_path)
+    async with served_session(tmp_path) as host:
+        process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "woz_tui", "page", str(host.path)),
+            *("--at", "127.0.0.1:0", "--certificate", str(made), "--key", str(key)),
+            stdout=asyncio.subprocess.PIPE,
+        )
+        assert process.stdout is not None
+        said = [await asyncio.wait_for(process.stdout.readline(), WAIT_S) for _ in range(3)]
+        front, code = re.findall(r"(https://\S+/) with the code (\d+)", said[1].decode())[0]
+        trusted = ssl.create_default_context(cafile=made)
+        async with aiohttp.ClientSession() as http:
+            own = {"Origin": front.rstrip("/")}
+            address, form = f"{front}code", {"code": code}
+            async with http.post(address, ssl=trusted, data=form, headers=own) as response:
+                assert response.status == 200
+                (cookie,) = response.cookies.values()
+                assert cookie["secure"]
+            with pytest.raises(aiohttp.ClientError):
+                await http.get(front.replace("https", "http"))
+        process.terminate()
+        assert await asyncio.wait_for(process.wait(), WAIT_S) == 0
 
 
 async def test_it_prints_an_address_for_each_and_leaves_when_told(tmp_path: Path) -> None:

@@ -180,6 +180,20 @@ def test_a_minute_later_an_address_may_try_again() -> None:
     assert visitors.by_class_code(visitors.class_code, "192.168.4.7") is not None
 
 
+async def test_who_watches_does_not_read_the_code_of_who_answers(tmp_path: Path) -> None:
+    """It goes to the robot's tablet in a command, which is an event."""
+    async with served_session(tmp_path) as host, pages(host) as rig:
+        watcher = await rig.watcher()
+        code = rig.server.visitors.codes[PageRole.ANSWER]
+        async with watcher.news("/watch/news") as reader:
+            host.session.hub.publish(m.Marker(source="program", text=f"join/{code} it"))
+            view = await reader.until(lambda view: "join/" in str(view["events"]))
+            assert code not in str(view)
+        _, page = await watcher.get("/watch")
+        assert "join/… it" in page
+        assert code not in page
+
+
 async def test_a_class_that_guesses_does_not_reach_the_log(tmp_path: Path) -> None:
     async with served_session(tmp_path) as host, pages(host) as rig:
         stranger = await rig.stranger()

@@ -52,7 +52,8 @@ def _page(seat: ParticipantSeat, title: str, *body: Child, again_s: float = 0) -
         data_open=seat.open_item,
         data_unsent=seat.words.not_sent,
     )
-    return page(title, sheet, script="answer.js", again_s=again_s)
+    language = seat.follower.state.settings.study.language
+    return page(title, sheet, script="answer.js", again_s=again_s, language=language)
 
 
 def _nothing_asked(seat: ParticipantSeat) -> str:

@@ -8,6 +8,7 @@ import ipaddress
 import signal
 import socket
 import ssl
+import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -15,6 +16,7 @@ from pathlib import Path
 
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.session_choice import JoinedSession, add_session_choice, joined_session
+from woz_tui.client import WozError, connect
 from woz_tui.console.link.message_feed import Loss
 from woz_tui.features.page.visitors import PageRole, Visitors
 from woz_tui.network.listen_address import ListenAddress
@@ -64,6 +66,11 @@ def add(parser: ArgumentParser) -> None:
         metavar="NAME",
         help="a further name by which browsers call this computer, such as robot.local",
     )
+    parser.add_argument(
+        "--tablet",
+        action="store_true",
+        help="show the participant's page on the robot's own tablet (its verb `screen`)",
+    )
 
 
 def run(arguments: Namespace) -> int:
@@ -77,7 +84,7 @@ def _serve(arguments: Namespace) -> int:
         if session is None:
             return 1
         with contextlib.suppress(KeyboardInterrupt):
-            asyncio.run(_pages(session, at, tls, arguments.name))
+            asyncio.run(_pages(session, at, tls, arguments))
     return 0
 
 
@@ -113,23 +120,26 @@ def _is_here(host: str) -> bool:
 
 
 async def _pages(
-    session: JoinedSession, at: ListenAddress, tls: ssl.SSLContext | None, names: list[str]
+    session: JoinedSession, at: ListenAddress, tls: ssl.SSLContext | None, arguments: Namespace
 ) -> None:
     from woz_tui.features.page.server import PageServer  # noqa: PLC0415 - aiohttp, here alone
 
     say = partial(print, flush=True)
     explain: Callable[[Loss], Loss] | None = session.line.explained if session.line else None
-    own = {socket.gethostname(), f"{socket.gethostname()}.local", "localhost", *names}
+    own = {socket.gethostname(), f"{socket.gethostname()}.local", "localhost", *arguments.name}
     server = PageServer(session.path, own, say, explain)
     stopped = asyncio.Event()
     asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, stopped.set)
     try:
         host, port = await server.start(at, tls)
         scheme = "https" if tls is not None else "http"
-        for line in _told(server.visitors, f"{scheme}://{_reached(host)}:{port}"):
+        here = f"{scheme}://{_reached(host)}:{port}"
+        for line in _told(server.visitors, here):
             say(line)
         if tls is None and not _is_here(at.host):
             say(OPEN)
+        if arguments.tablet:
+            await _show_on_tablet(session, _participants_address(server.visitors, here))
         await until_first_ends(server.until_over(), stopped.wait())
     finally:
         await server.close()
@@ -139,8 +149,21 @@ def _told(visitors: Visitors, here: str) -> Iterator[str]:
     """Which address is for whom."""
     yield f"To watch:         {here}/join/{visitors.codes[PageRole.WATCH]}"
     yield f"For a class:      {here}/ with the code {visitors.class_code}"
-    yield f"The participant:  {here}/join/{visitors.codes[PageRole.ANSWER]}"
+    yield f"The participant:  {_participants_address(visitors, here)}"
     yield "Nothing there plays or stops the robot. The codes end with this command (ctrl+c)."
+
+
+def _participants_address(visitors: Visitors, here: str) -> str:
+    return f"{here}/join/{visitors.codes[PageRole.ANSWER]}"
+
+
+async def _show_on_tablet(session: JoinedSession, address: str) -> None:
+    """Have the robot's tablet show an address; why it does not is printed, and the pages go on."""
+    try:
+        async with connect(session.path, name="page") as client:
+            await client.perform("screen", file=address)
+    except WozError as error:
+        print(f"woz: the robot's tablet does not show the page: {error}", file=sys.stderr)
 
 
 def _reached(host: str) -> str:

@@ -12,6 +12,7 @@ ASSETS = {
     "page.css": "text/css",
     "watch.js": "text/javascript",
     "answer.js": "text/javascript",
+    "again.js": "text/javascript",
 }
 
 
@@ -25,6 +26,7 @@ def page(
     *body: Child,
     script: str = "",
     look: str = "",
+    language: str = "en",
     again_s: float = 0,
     onward: str = "",
 ) -> str:
@@ -35,7 +37,8 @@ def page(
         body: What stands on it.
         script: The name of its script; without JavaScript the page is whole, too.
         look: A class of the whole page.
-        again_s: Without JavaScript it is loaded again after so many seconds; 0: not.
+        language: The code of its language, for whoever reads it aloud; empty: nobody knows.
+        again_s: Where its script does not run it is loaded again after so many seconds; 0: not.
         onward: An address to which it goes on by itself.
     """
     again = tag("meta", http_equiv="refresh", content=f"{again_s:g}") if again_s else None
@@ -49,8 +52,10 @@ def page(
         tag("noscript", again) if again else None,
         tag("meta", http_equiv="refresh", content=f"0; url={onward}") if onward else None,
         tag("script", src=f"/{script}", defer=True) if script else None,
+        tag("script", src="/again.js", defer=True) if script and again_s else None,
     )
-    return "<!doctype html>\n" + tag("html", head, tag("body", *body, class_=look or None))
+    whole = tag("html", head, tag("body", *body, class_=look or None), lang=language or None)
+    return f"<!doctype html>\n{whole}"
 
 
 def say(title: str, *lines: Child, onward: str = "") -> str:

@@ -30,7 +30,7 @@ from woz_tui.features.page.same_page import (
 from woz_tui.features.page.seat import NotSentError, ParticipantSeat
 from woz_tui.features.page.visitors import Browser, PageRole, TooOftenError, Visitors
 from woz_tui.features.page.watch_page import watch_page
-from woz_tui.features.page.watch_view import watch_view
+from woz_tui.features.page.watch_view import View, watch_view
 from woz_tui.network.listen_address import ListenAddress
 from woz_tui.system.clock import Clock, RealClock
 from woz_tui.system.tasks import end_tasks
@@ -206,8 +206,7 @@ class PageServer:
     async def _watch(self, request: web.Request) -> web.Response:
         if self._browser(request, PageRole.WATCH) is None:
             return _html(code_form("A code is needed to watch."), 403)
-        view = watch_view(self.watching.state, self.watching.now)
-        return _html(watch_page(view, big="big" in request.query))
+        return _html(watch_page(self._view(), big="big" in request.query))
 
     async def _watch_news(self, request: web.Request) -> web.StreamResponse:
         if self._browser(request, PageRole.WATCH) is None:
@@ -266,12 +265,17 @@ class PageServer:
             return _refused(503, "Full", f"{MOST_STREAMS} browsers are the most.")
         return await news.stream(request)
 
+    def _view(self) -> View:
+        """What the page shows now, without the codes, which a program may have sent to a tablet."""
+        codes = self.visitors.codes.values()
+        return watch_view(self.watching.state, self.watching.now, codes)
+
     async def _follow(self) -> None:
         """Look at the session, at most so many times a second."""
         while True:
             await within(TICK_S, self.watching.news.wait())
             self.watching.news.clear()
-            self._news.publish(watch_view(self.watching.state, self.watching.now))
+            self._news.publish(self._view())
             if self.watching.state.ended:
                 self._over.set()
             await asyncio.sleep(UPDATE_S)

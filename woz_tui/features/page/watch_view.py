@@ -5,10 +5,10 @@ What a wizard must not know never came here: the session takes it out for watche
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator
 from typing import Any
 
-from woz_tui.console.drawing.cells import Piece, clean
+from woz_tui.console.drawing.cells import clean
 from woz_tui.console.drawing.glyphs import UNICODE, PaintFrame
 from woz_tui.console.drawing.number_text import SILENCE_DB, decibels
 from woz_tui.console.engagement.sign_bars import FARTHEST
@@ -38,8 +38,10 @@ _VERDICTS = {"presence": "person", "gaze": "looks"}
 View = dict[str, Any]
 
 
-def watch_view(state: ConsoleState, now: int) -> View:
-    """All that the page shows at `now`, each part under the name of its place."""
+def watch_view(state: ConsoleState, now: int, kept: Collection[str] = ()) -> View:
+    """All that the page shows at `now`, each part under the name of its place; `kept` are words of
+    events that nobody may read there, such as codes.
+    """
     frame = PaintFrame(_WIDTH, EVENTS, now)
     return {
         "title": clean(state.plan.title) or "woz",
@@ -51,7 +53,7 @@ def watch_view(state: ConsoleState, now: int) -> View:
         "over": bool(state.ended),
         "lost": state.lost.part.title if state.lost and not state.ended else "",
         "engagement": _engagement(state),
-        "events": [_event(event, state, frame) for event in listed_events(state, EVENTS)],
+        "events": [_event(event, state, frame, kept) for event in listed_events(state, EVENTS)],
         "meters": list(_meters(state, now)),
     }
 
@@ -85,7 +87,7 @@ def _engagement(state: ConsoleState) -> str:
     return state_sentence(changed.now, changed.visitor)
 
 
-def _event(event: EventLine, state: ConsoleState, frame: PaintFrame) -> View:
+def _event(event: EventLine, state: ConsoleState, frame: PaintFrame, kept: Collection[str]) -> View:
     """As the console has it: when, its sign, and the pieces of its sentence. `kind` is the sign in
     a word.
     """
@@ -95,12 +97,14 @@ def _event(event: EventLine, state: ConsoleState, frame: PaintFrame) -> View:
         "sign": sign.strip(),
         "look": look,
         "kind": event.mark.replace("_", " "),
-        "pieces": _pieces(pieces),
+        "pieces": [[_without(text, kept), look] for text, look in pieces if text.strip()],
     }
 
 
-def _pieces(pieces: Sequence[Piece]) -> list[list[str]]:
-    return [[text.strip(), look] for text, look in pieces if text.strip()]
+def _without(text: str, kept: Collection[str]) -> str:
+    for word in kept:
+        text = text.replace(word, UNICODE.ellipsis)
+    return text.strip()
 
 
 def _meters(state: ConsoleState, now: int) -> Iterator[View]:

@@ -1,6 +1,8 @@
 // Sends forms without leaving the page, and keeps what has not been sent yet.
 "use strict";
 
+document.documentElement.dataset.runs = "yes";
+
 const sheet = document.querySelector(".sheet");
 const form = document.querySelector("form");
 const AGAIN_MS = 2000;

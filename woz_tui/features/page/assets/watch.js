@@ -1,6 +1,8 @@
 // Keeps the watch page new: texts go into the places that are named after them, as text only.
 "use strict";
 
+document.documentElement.dataset.runs = "yes";
+
 const place = (name) => document.getElementById(name);
 
 function made(name, className, text) {

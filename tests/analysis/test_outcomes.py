@@ -16,6 +16,7 @@ from tests.analysis.example_sessions import ExampleSession, figures_of, in_time
 from woz_tui.analysis import figures_json
 from woz_tui.analysis.figure_files import write_figures
 from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.intervals import welch_difference
 from woz_tui.analysis.outcome_tables import (
     caption,
     conditions_table,
@@ -128,6 +129,22 @@ def test_between_groups_each_has_its_own_interval(between: GroupedSessions) -> N
     assert (difference.paired, difference.estimate.n) == (False, 10)
     assert "of each group" in caption(outcome)
     assert "Welch" in differences_sentence(outcome)
+
+
+def test_what_came_first_is_told_apart() -> None:
+    """Half of the people begin with the other condition; nothing before has had an effect on it."""
+    people = list(zip(WARM, SOBER, strict=True))
+    found = grouped(
+        *(played(f"P{n:02}", warm=warm, sober=sober) for n, (warm, sober) in enumerate(people)),
+        *(played(f"P{n:02}", sober=sober, warm=warm) for n, (warm, sober) in enumerate(people, 9)),
+    )
+    outcome = pleasant(found)
+    [together], [first] = outcome.differences(), outcome.first_differences()
+    assert (together.paired, together.estimate.n) == (True, 10)
+    assert (first.paired, first.estimate.n) == (False, 10)
+    assert first.estimate == welch_difference(SOBER, WARM)
+    assert [row[-1] for row in differences_table([outcome]).rows] == ["paired", "first, Welch"]
+    assert "Of first conditions alone (Welch): warm - sober: -1.40" in differences_sentence(outcome)
 
 
 def test_below_three_values_stand_instead_of_means() -> None:

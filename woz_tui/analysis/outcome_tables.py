@@ -10,6 +10,8 @@ from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.text_format import NONE, counted, digits, listed
 
 _LEVEL = "95 %"
+#: What a difference is of, where it is of those conditions alone that came first.
+_FIRST = "first, Welch"
 
 
 def value_of(name: OutcomeName, value: float) -> str:
@@ -97,10 +99,11 @@ def differences_table(outcomes: Sequence[Outcome]) -> ReportTable:
             str(each.estimate.n),
             value_of(outcome.name, each.estimate.mean),
             interval_of(outcome.name, each.estimate),
-            "paired" if each.paired else "Welch",
+            how or ("paired" if each.paired else "Welch"),
         ]
         for outcome in outcomes
-        for each in outcome.differences()
+        for how, found in (("", outcome.differences()), (_FIRST, outcome.first_differences()))
+        for each in found
     ]
     heads = ["", "Difference", "n", "Mean", f"{_LEVEL} interval", "Of"]
     return ReportTable("Differences between conditions", heads, rows, words=2)
@@ -145,5 +148,13 @@ def differences_sentence(outcome: Outcome) -> str:
             f"{value_of(outcome.name, estimate.mean)}{half} (n = {estimate.n} {people})"
         )
     how = "paired difference, t interval" if found[0].paired else "difference of groups, Welch"
+    first = "; ".join(
+        f"{each.other or 'none'} - {each.first or 'none'}: "
+        f"{value_of(outcome.name, each.estimate.mean)}, {interval_of(outcome.name, each.estimate)}"
+        for each in outcome.first_differences()
+        if each.estimate.half is not None
+    )
     wider = f", widened for {len(found)} comparisons (Bonferroni)" if len(found) > 1 else ""
-    return f"{listed(parts, 'and')}; {_LEVEL} {how}{wider}."
+    return f"{listed(parts, 'and')}; {_LEVEL} {how}{wider}." + (
+        f" Of first conditions alone (Welch): {first}." if first else ""
+    )

@@ -103,6 +103,8 @@ class Outcome:
 
     name: OutcomeName
     conditions: dict[str, ConditionValues] = field(default_factory=dict)
+    #: Participant -> the condition that came first; shared by all outcomes of a study.
+    first: Mapping[str, str] = field(default_factory=dict)
 
     def at(self, condition: str) -> ConditionValues:
         """Where a condition's values are."""
@@ -193,3 +195,19 @@ class Outcome:
         """Of every two conditions: of the same people where they have both, else of groups."""
         means = {name: self.conditions[name].means for name in self.names}
         return differences(means, paired=self.within)
+
+    def first_differences(self) -> list[Difference]:
+        """The same of what came first alone, where nothing before can have had an effect: between
+        those who began with one condition and those who began with another. Only within a design
+        in which at least two conditions came first for somebody.
+        """
+        means = {
+            name: {
+                who: value
+                for who, value in self.conditions[name].means.items()
+                if self.first.get(who) == name
+            }
+            for name in self.names
+        }
+        began = {name: found for name, found in means.items() if found}
+        return differences(began, paired=False) if self.within else []

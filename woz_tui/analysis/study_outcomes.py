@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from woz_tui.analysis.event_rows import AnswerRow, RoundRow
 from woz_tui.analysis.figure_sums import ALL_CUES
@@ -14,6 +15,7 @@ from woz_tui.analysis.participant_flow import ParticipantFlow
 from woz_tui.analysis.participants import counted_parts, participants_of, who_took_part
 from woz_tui.analysis.reaction_totals import ReactionTotals
 
+K = TypeVar("K")
 #: Main figures that are compared; times of reactions are told with all cues instead.
 COMPARED = ("wizard_actions_per_minute", "mistake_rate", "engaged_share", "speech_s", "duration")
 #: A scale: its questionnaire, its item and its ends.
@@ -35,6 +37,9 @@ class StudyOutcomes:
 
     reactions: dict[str, ReactionTotals] = field(default_factory=dict)
     flow: ParticipantFlow = field(default_factory=ParticipantFlow)
+    #: Participant -> when their first condition began, and which it was.
+    _began: dict[str, tuple[str, str]] = field(default_factory=dict)
+    _first: dict[str, str] = field(default_factory=dict)
     _measures: dict[str, Outcome] = field(default_factory=dict)
     _scales: dict[_Scale, Outcome] = field(default_factory=dict)
     #: By questionnaire and item, until somebody's answer tells the scale.
@@ -43,6 +48,7 @@ class StudyOutcomes:
     def add(self, figures: SessionFigures) -> None:
         """Add a session with participants."""
         self.flow.add(figures)
+        self._began_with(figures)
         for part in counted_parts(figures.parts):
             self._part(part, figures)
         people = participants_of(figures) if figures.all_trials else ()
@@ -57,6 +63,15 @@ class StudyOutcomes:
                 who = who_took_part(each.participant, figures.session)
                 self._unanswered(each, who, answered)
 
+    def _began_with(self, figures: SessionFigures) -> None:
+        for part in counted_parts(figures.parts):
+            who = who_took_part(part.participant, figures.session)
+            trials = (each for each in figures.trials if each.participant == part.participant)
+            condition = next((each.condition for each in trials), part.condition)
+            found = (figures.started, condition)
+            if who not in self._began or found[0] < self._began[who][0]:
+                self._began[who], self._first[who] = found, condition
+
     def _part(self, part: PartFigures, figures: SessionFigures) -> None:
         who = who_took_part(part.participant, figures.session)
         if ALL_CUES in part.reactions:
@@ -65,12 +80,15 @@ class StudyOutcomes:
         for name in COMPARED:
             value = BY_NAME[name].of(part)
             title = OutcomeName(name, title_of(name), BY_NAME[name].unit)
-            there = self._measures.setdefault(name, Outcome(title)).at(part.condition)
+            there = self._outcome(self._measures, name, title).at(part.condition)
             there.asked.add(who)
             if value is None:
                 there.missing["not measured"] += 1
             else:
                 there.answers.setdefault(who, []).append(value)
+
+    def _outcome(self, known: dict[K, Outcome], key: K, name: OutcomeName) -> Outcome:
+        return known.setdefault(key, Outcome(name, first=self._first))
 
     def _answer(self, answer: AnswerRow, who: str) -> None:
         if answer.low is None or answer.high is None:
@@ -79,7 +97,7 @@ class StudyOutcomes:
         name = OutcomeName(
             f"{answer.questionnaire}.{answer.item}", answer.question, "", answer.low, answer.high
         )
-        there = self._scales.setdefault(key, Outcome(name)).at(answer.condition)
+        there = self._outcome(self._scales, key, name).at(answer.condition)
         there.asked.add(who)
         if answer.value is None:
             there.missing["skipped"] += 1

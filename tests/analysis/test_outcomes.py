@@ -37,11 +37,13 @@ QUESTION = "How pleasant was it?"
 Reply = float | str | None
 
 
-def play(session: ExampleSession, at: float, trial: int, condition: str, reply: Reply) -> None:
+def play(
+    session: ExampleSession, at: float, trial: int, condition: str, reply: Reply, *, high: int = 7
+) -> None:
     """A trial with a question of one item behind it."""
     session.add(at, m.TrialStarted(trial=trial, condition=condition)).act(at + 10)
     session.add(at + 60, m.TrialEnded(trial=trial, outcome="done"))
-    item: dict[str, m.Json] = {"name": "pleasant", "question": QUESTION, "low": 1, "high": 7}
+    item: dict[str, m.Json] = {"name": "pleasant", "question": QUESTION, "low": 1, "high": high}
     session.add(
         at + 61, m.QuestionnaireStarted(questionnaire="ux", title="", items=[item], trial=trial)
     )
@@ -55,11 +57,11 @@ def play(session: ExampleSession, at: float, trial: int, condition: str, reply: 
     session.add(at + 66, m.QuestionnaireEnded(questionnaire="ux", answered=1, reason=reason))
 
 
-def played(participant: str, **replies: Reply) -> SessionFigures:
+def played(participant: str, high: int = 7, /, **replies: Reply) -> SessionFigures:
     """One participant in one condition after the other."""
     session = ExampleSession(participant=participant, condition="", session=f"S{participant[1:]}")
     for place, (condition, reply) in enumerate(replies.items()):
-        play(session, 100.0 * place + 1, place + 1, condition, reply)
+        play(session, 100.0 * place + 1, place + 1, condition, reply, high=high)
     return figures_of(in_time(session.end(900)))
 
 
@@ -222,6 +224,26 @@ def test_a_picture_has_a_line_for_each_participant(
         text = (tmp_path / name / "ux.pleasant.svg").read_text()
         drawn.append((text.count("<polyline"), text.count("<circle")))
     assert drawn == [(5, 12), (0, 12)]
+
+
+def test_what_was_asked_once_is_shown_without_conditions(tmp_path: Path) -> None:
+    found = grouped(*(played(f"P{number:02}", **{"": value}) for number, value in enumerate(WARM)))
+    outcome = pleasant(found)
+    assert outcome.is_once
+    assert [list(row)[:5] for row in conditions_table(outcome).rows] == [
+        ["all", "5", "5", "", "4.00"]
+    ]
+    assert outcome.differences() == []
+    write_figures(tmp_path, found)
+    assert ">all<" in (tmp_path / "ux.pleasant.svg").read_text()
+
+
+def test_a_scale_that_was_changed_has_files_of_its_own(tmp_path: Path) -> None:
+    found = grouped(played("P01", warm=4.0), played("P02", 5, warm=2.0))
+    write_figures(tmp_path, found)
+    assert {path.name for path in tmp_path.glob("ux*.csv")} == {
+        *("ux.pleasant.csv", "ux.pleasant-2.csv")
+    }
 
 
 def test_programs_get_the_same(within: GroupedSessions) -> None:

@@ -35,8 +35,11 @@ def write_figures(folder: Path, grouped: GroupedSessions) -> None:
         place = folder / _plain(experiment) if len(experiments) > 1 else folder
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
         found = grouped.outcomes(experiment)
+        known: dict[str, int] = {}
         for outcome in found.outcomes:
-            for name, text in _files(outcome):
+            plain = _plain(outcome.name.name)
+            known[plain] = number = known.get(plain, 0) + 1  # the scale was changed
+            for name, text in _files(outcome, f"{plain}-{number}" if number > 1 else plain):
                 replace(place / name, text, mode=0o600, durable=False)
         for name, table in (
             ("reactions", reactions_table(found.reactions)),
@@ -46,8 +49,7 @@ def write_figures(folder: Path, grouped: GroupedSessions) -> None:
                 replace(place / f"{name}.csv", _table(table), mode=0o600, durable=False)
 
 
-def _files(outcome: Outcome) -> Iterator[tuple[str, str]]:
-    name = _plain(outcome.name.name)
+def _files(outcome: Outcome, name: str) -> Iterator[tuple[str, str]]:
     yield f"{name}.svg", comparison(outcome)
     if (answers := distribution(outcome)) is not None:
         yield f"{name}-answers.svg", answers

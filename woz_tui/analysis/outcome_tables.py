@@ -41,7 +41,7 @@ def conditions_table(outcome: Outcome) -> ReportTable:
     name = outcome.name
     rows = [
         [
-            LogText(each.condition or "none"),
+            LogText(outcome.label(each.condition)),
             str(each.asked),
             str(each.n),
             missing_text(each.missing),
@@ -79,7 +79,7 @@ def missing_table(outcomes: Sequence[Outcome]) -> ReportTable:
     """Where not everybody who was asked answered, and why."""
     rows = [
         [
-            *(LogText(outcome.name.title), LogText(each.condition or "none")),
+            *(LogText(outcome.name.title), LogText(outcome.label(each.condition))),
             *(str(each.asked), str(each.n), missing_text(each.missing)),
         ]
         for outcome in outcomes
@@ -115,6 +115,8 @@ def caption(outcome: Outcome) -> str:
     if all(each.is_few for each in found):
         return "Points: participants, too few for a mean."
     cut = " A bar ends where the scale does." if any(map(outcome.is_cut, found)) else ""
+    if len(found) == 1:
+        return f"Points: participants. Bar: the mean with its {_LEVEL} t interval.{cut}"
     if not outcome.within:
         return (
             f"Points: participants, each in one condition. Bars: means with {_LEVEL} t intervals "

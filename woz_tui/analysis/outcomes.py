@@ -116,6 +116,15 @@ class Outcome:
         return sorted(self.conditions)
 
     @property
+    def is_once(self) -> bool:
+        """Whether it is about no condition."""
+        return not any(self.conditions)
+
+    def label(self, condition: str) -> str:
+        """What a condition is called on pictures and in tables."""
+        return condition or ("all" if self.is_once else "none")
+
+    @property
     def people(self) -> list[str]:
         """Everybody with a value in any condition."""
         return sorted({who for each in self.conditions.values() for who in each.answers})

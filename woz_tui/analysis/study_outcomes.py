@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import TypeVar
 
 from woz_tui.analysis.event_rows import AnswerRow, RoundRow
@@ -112,13 +113,13 @@ class StudyOutcomes:
                 self._blank.setdefault((each.questionnaire, item), []).append(blank)
 
     def scales(self) -> list[Outcome]:
-        """Scales of questionnaires that were put in conditions; not what was asked once."""
+        """Scales of questionnaires; those about no condition (asked once) come last."""
         for (questionnaire, item, _, _), outcome in self._scales.items():
             for blank in self._blank.pop((questionnaire, item), ()):
                 there = outcome.at(blank.condition)
                 there.asked.add(blank.who)
                 there.missing[blank.reason] += 1
-        return [outcome for outcome in self._scales.values() if any(outcome.conditions)]
+        return sorted(self._scales.values(), key=attrgetter("is_once"))
 
     def measures(self) -> Iterator[Outcome]:
         """Main figures that somebody has."""

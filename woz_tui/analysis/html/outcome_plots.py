@@ -43,7 +43,10 @@ def comparison(outcome: Outcome) -> Markup:
         list(_axis(outcome, scale, width)),
         list(_people(outcome, scale)),
         [_mean(each, place, scale) for place, each in enumerate(found)],
-        [_condition(each, place) for place, each in enumerate(found)],
+        [
+            _condition(outcome.label(each.condition), each.n, place)
+            for place, each in enumerate(found)
+        ],
         xmlns="http://www.w3.org/2000/svg",
         viewBox=f"0 0 {width} {_HEIGHT}",
         width=width,
@@ -111,13 +114,13 @@ def _mean(each: ConditionSummary, place: int, scale: _Scale) -> Markup | None:
     return tag("g", bar, tag("circle", cx=x, cy=scale.y(mean), r=4.5, fill=_COLOUR))
 
 
-def _condition(each: ConditionSummary, place: int) -> Markup:
-    words = (each.condition or "none")[:16]
+def _condition(name: str, n: int, place: int) -> Markup:
+    words = name[:16]
     y = _HEIGHT - _BOTTOM + 16
     return tag(
         "g",
         tag("text", words, x=_x(place), y=y, text_anchor="middle", **_TEXT),
-        tag("text", f"n = {each.n}", x=_x(place), y=y + 14, text_anchor="middle", **_TEXT),
+        tag("text", f"n = {n}", x=_x(place), y=y + 14, text_anchor="middle", **_TEXT),
     )
 
 
@@ -128,7 +131,11 @@ _ROOM = 10
 
 def distribution(outcome: Outcome) -> Markup | None:
     """How often each point of a scale was chosen, one row a condition; None: it has no points."""
-    rows = [(each.condition, each.counts) for each in outcome.summaries() if sum(each.counts)]
+    rows = [
+        (outcome.label(each.condition), each.counts)
+        for each in outcome.summaries()
+        if sum(each.counts)
+    ]
     if not rows:
         return None
     low = int(outcome.name.low or 0)
@@ -136,7 +143,7 @@ def distribution(outcome: Outcome) -> Markup | None:
     drawn: list[Markup | None] = []
     for place, (condition, counts) in enumerate(rows):
         y, x, total = place * _ROW + 2, float(_LEFT), sum(counts)
-        words = (condition or "none")[:14]
+        words = condition[:14]
         drawn.append(
             tag("text", words, x=_LEFT - 6, y=y + _ROW / 2 + 2, text_anchor="end", **_TEXT)
         )
@@ -163,7 +170,7 @@ def distribution(outcome: Outcome) -> Markup | None:
         )
     ]
     words = "; ".join(
-        f"{condition or 'none'}: "
+        f"{condition}: "
         + ", ".join(f"{low + point} {count} times" for point, count in enumerate(counts) if count)
         for condition, counts in rows
     )

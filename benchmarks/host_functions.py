@@ -26,7 +26,7 @@ from typing import Any
 import woz_tui
 from benchmarks.figures import machine, table
 from tests.host.rig import ServedSession, served_session
-from tests.session.rig import ScriptedDriver
+from tests.session.rig import ScriptedDriver, experiment, with_script
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.bus.lane import Lane
@@ -119,7 +119,8 @@ async def fewest(what: Callable[[ServedSession], Awaitable[Trace]]) -> Trace:
     traces = []
     for _ in range(ROUNDS):
         with tempfile.TemporaryDirectory() as folder:
-            async with served_session(Path(folder)) as rig:
+            made = with_script(experiment(Path(folder)))
+            async with served_session(Path(folder), made=made) as rig:
                 await asyncio.sleep(0.1)
                 traces.append(await what(rig))
     return min(traces, key=lambda trace: trace.calls)

@@ -216,8 +216,7 @@ class ScriptController(SessionFeature):
             return
         run = action.request.run
         if action.end is None:
-            if not self._is_of_another(action):
-                self._began(action)
+            self._began(action)
             return
         self.by_script.discard(run)
         if (played := self._runs.pop(run, None)) is not None:
@@ -247,14 +246,14 @@ class ScriptController(SessionFeature):
             self.publish()
 
     def _began(self, action: ActionEpisode) -> None:
-        own = self.name
-        names = [own]
-        if action.label not in self._scripts[own].lines:  # perhaps one of another phase's
-            names = [name for name, each in self._scripts.items() if action.label in each.lines]
-        for name in names[:1]:
-            line = self._scripts[name].play(action.label)
-            if line is not None:
-                self._runs[action.request.run] = _RunningLine(name, line)
+        # That which Space plays comes first; perhaps it is a line of another phase's.
+        names = (self.name, *self._scripts)
+        name = next((each for each in names if action.label in self._scripts[each].lines), None)
+        if name is None or self._is_of_another(action):
+            return
+        line = self._scripts[name].play(action.label)
+        if line is not None:
+            self._runs[action.request.run] = _RunningLine(name, line)
 
     def _ended(self, action: ActionEpisode, played: _RunningLine) -> None:
         script = self._scripts[played.script]

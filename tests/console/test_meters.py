@@ -19,7 +19,7 @@ from woz_tui.console.widgets.meters import meter_rows
 from woz_tui.console.widgets.status_rows import StatusInfo, status_rows
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
-from woz_tui.sensing.proxemics import zone
+from woz_tui.sensing.sample_values import zone
 from woz_tui.system.text_cleaning import elapsed
 
 NOW = scenes.NOW

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.sensing import sample_values
-from woz_tui.sensing.proxemics import zone
-from woz_tui.sensing.sample_values import UNKNOWN
+from woz_tui.sensing.sample_values import UNKNOWN, zone
 
 #: Whatever a line of JSON, or a driver, may hold.
 JUNK: tuple[object, ...] = (

@@ -27,7 +27,7 @@ from woz_tui.protocol import requests as r
 from woz_tui.protocol import welcome as s
 from woz_tui.protocol.kinds import FeatureKinds, closed_kinds
 from woz_tui.protocol.messages import Json
-from woz_tui.sensing.proxemics import ZONES
+from woz_tui.sensing.sample_values import ZONES
 
 log = logging.getLogger(__name__)
 
@@ -41,7 +41,7 @@ KEPT, COARSE = "hidden", "blurred"
 _CONDITION = frozenset({"condition", "request"})
 #: The signs of the engagement model among what can be hidden.
 _SIGNS = ("presence", "gaze", "distance", "identity")
-#: Blurred, a distance is near up to the end of personal space (see `sensing.proxemics`), in metres.
+#: Blurred, a distance is near up to the end of personal space (`sensing.sample_values`), in metres.
 NEAR_M = next(limit for limit, name in ZONES if name == "personal")
 #: Blurred, a loudness is loud from the threshold of speech on; without one from here (RMS).
 LOUD = 0.02

@@ -30,8 +30,7 @@ from woz_tui.console.state.engagement_text import (
     visitor_code,
 )
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.proxemics import zone
-from woz_tui.sensing.sample_values import FLAGS
+from woz_tui.sensing.sample_values import FLAGS, zone
 from woz_tui.sensing.state_machine import TURN
 from woz_tui.session.redactor import COARSE, HIDDEN, KEPT
 from woz_tui.system.text_cleaning import elapsed

@@ -38,7 +38,7 @@ from woz_tui.console.state.engagement_text import (
     state_sentence,
 )
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.proxemics import zone
+from woz_tui.sensing.sample_values import zone
 from woz_tui.session.redactor import HIDDEN, KEPT, perceived_kind
 
 #: Lines from which path and reason have a row each, and from which each sign has one.

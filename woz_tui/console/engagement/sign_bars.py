@@ -8,7 +8,7 @@ from woz_tui.console.drawing.cells import Piece, Row
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.drawing.meter_rows import merge_pieces, track_cell
 from woz_tui.protocol.messages import SignShown
-from woz_tui.sensing.proxemics import ZONES
+from woz_tui.sensing.sample_values import ZONES
 
 #: The far end of a ruler of distances, in metres.
 FARTHEST = 4.8

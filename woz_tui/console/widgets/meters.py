@@ -34,8 +34,7 @@ from woz_tui.console.state.engagement_text import state_sentence
 from woz_tui.console.state.view_models import SensorView
 from woz_tui.console.state.wizard_overrides import is_offered
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.proxemics import ZONES, zone
-from woz_tui.sensing.sample_values import FLAGS, is_share, percent, state_word
+from woz_tui.sensing.sample_values import FLAGS, ZONES, is_share, percent, state_word, zone
 from woz_tui.session.redactor import HIDDEN, perceived_kind
 
 #: What one degree of freedom publishes; with its robot in front where several have the same.

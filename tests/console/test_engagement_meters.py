@@ -250,6 +250,20 @@ def test_what_was_understood_so_far_is_shown_while_it_is_said() -> None:
     assert "where is the cloakroom" in meters(*speaks, reading, speech_ended, text)
 
 
+def test_the_robots_own_voice_is_nowhere_on_the_screen() -> None:
+    before = engagement_scene.engagement_shown("RobotReplies")
+    began = m.SpeechStarted(driver="microphone", segment=9, began=NOW - 3 * SECOND, own=True, t=NOW)
+    ended = m.SpeechEnded(
+        driver="microphone", segment=9, began=began.began, ended=NOW, own=True, t=NOW
+    )
+    said = "it is from the first century"
+    text = m.SpeechText(driver="microphone", segment=9, text=said, own=True, t=NOW)
+    assert meters(before, began) == meters(before)
+    assert meters(before, began, ended, text) == meters(before)
+    overlap = msgspec.structs.replace(text, own=False, overlap=True)
+    assert said in meters(before, began, ended, overlap)
+
+
 def test_nobody_knows_of_speech_when_the_microphone_is_gone() -> None:
     lost = m.DriverLost(driver="microphone", detail="unplugged", t=NOW)
     state = ConsoleState()

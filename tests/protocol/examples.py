@@ -349,6 +349,25 @@ MESSAGES: tuple[m.Message, ...] = (
         condition="cold",
         trial=2,
     ),
+    m.SpeechStarted(driver="ears", segment=4, began=33_100_000, own=True),
+    m.SpeechEnded(driver="ears", segment=4, began=33_100_000, ended=35_000_000, own=True),
+    m.SpeechText(driver="ears", segment=4, text="Guten Tag.", took_us=420_000, own=True),
+    m.SpeechStarted(driver="ears", segment=5, began=35_000_000, own=False, overlap=True),
+    m.SpeechEnded(
+        driver="ears", segment=5, began=35_000_000, ended=36_400_000, own=False, overlap=True
+    ),
+    m.SpeechText(
+        driver="ears",
+        segment=5,
+        text="Moment, wie alt ist das?",
+        took_us=510_000,
+        own=False,
+        overlap=True,
+        language="de",
+        partials=3,
+        revised=1,
+        first_us=900_000,
+    ),
     *feature_examples("lsl", "MESSAGES"),
 )
 

@@ -195,6 +195,19 @@ def test_only_nothing_that_has_no_excuse_is_an_error_of_speech() -> None:
     assert log.changes[-1].outcome == "error"
 
 
+def test_the_robots_own_voice_is_nobodys() -> None:
+    log = Log()
+    log.here()
+    log.say(m.SpeechStarted(driver="mic", segment=1, began=0, own=True))
+    assert log.state == "EngagedWithKnown"
+    log.say(m.SpeechStarted(driver="mic", segment=2, began=0, own=False))
+    log.say(m.SpeechEnded(driver="mic", segment=1, began=0, ended=1, own=True))
+    log.say(m.SpeechText(driver="mic", segment=1, text=" ", own=True))
+    assert log.state == "UserSpeaks"
+    log.say(m.SpeechEnded(driver="mic", segment=2, began=0, ended=1, own=False))
+    assert log.state == "RobotThinks"
+
+
 def test_the_same_participant_said_again_changes_nothing() -> None:
     log = Log()
     log.say(session_start("P07"))

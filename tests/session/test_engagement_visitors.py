@@ -10,6 +10,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
 from tests.session.engagement_rig import PLAIN, EngagementRig, GuideDriver, guided, in_room
@@ -289,6 +290,26 @@ def test_what_the_robot_hears_of_itself_is_no_answer(tmp_path: Path) -> None:
     rig = in_room(tmp_path, stranger(scenario), guided(tmp_path, ASKING), linger=0.1)
     said = [args["text"] for verb, args in rig.robot.calls if verb == "say"]
     assert said == [ASKING.handshake.ask]
+
+
+def test_an_answer_into_the_question_is_one_where_the_microphone_tells_it_apart(
+    tmp_path: Path,
+) -> None:
+    """By its words: it was the robot's own voice until they were known."""
+
+    async def scenario(rig: EngagementRig) -> None:
+        publish = rig.session.hub.publish
+        publish(m.SpeechStarted(driver="robot", segment=1, began=0, own=True))
+        publish(m.SpeechEnded(driver="robot", segment=1, began=0, ended=1, own=True))
+        await asyncio.sleep(1.5)
+        spoken = m.SpeechText(driver="robot", segment=1, text="my name is Kim")
+        publish(msgspec.structs.replace(spoken, text="what is your name", own=True))
+        publish(msgspec.structs.replace(spoken, own=False, overlap=True))
+        await asyncio.sleep(1.5)
+
+    rig = in_room(tmp_path, stranger(scenario), guided(tmp_path, ASKING), linger=0.1)
+    said = [args["text"] for verb, args in rig.robot.calls if verb == "say"]
+    assert said == [ASKING.handshake.ask, ASKING.handshake.confirm.replace("{name}", "Kim")]
 
 
 def test_the_stop_silences_the_question_and_its_release_asks_anew(tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ from operator import itemgetter
 from typing import Any
 
 from woz_tui.analysis.event_rows import CueRow, WizardAct, context_fields, id_of, moments
-from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import SPEAKING_VERBS
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context
@@ -197,6 +197,8 @@ def cues_of(
         (act.begin, act.seq, cues.act, act) for act in acts
     ]
     for spoken in timeline.of(e.UtteranceEpisode):
+        if spoken.own:
+            continue
         if spoken.started is not None:
             lines.append((spoken.started.t, spoken.started.seq, cues.speaks, spoken))
         if spoken.ended is not None:

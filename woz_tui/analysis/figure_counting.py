@@ -204,7 +204,7 @@ class _Counting:
         self._engagement()
         self._settings()
         for spoken in self._timeline.of(e.UtteranceEpisode):
-            if spoken.ended is not None:
+            if spoken.ended is not None and not spoken.own:
                 self.at(spoken.context).utterances += 1
                 for tally, us in self._pieces(spoken, self.at):
                     tally.speech.add(us)

@@ -245,8 +245,10 @@ def _state(state: e.ModelStateEpisode) -> Interval:
 
 
 def _speech(spoken: e.UtteranceEpisode) -> Interval | None:
-    """Without its beginning and its end nobody knows how long it was."""
-    if spoken.started is None and spoken.ended is None:
+    """Without its beginning and its end nobody knows how long it was; the robot's own voice has its
+    place among the actions.
+    """
+    if spoken.own or (spoken.started is None and spoken.ended is None):
         return None
     text = (spoken.text.text or spoken.text.detail) if spoken.text is not None else ""
     return _interval(spoken, f"utterance {spoken.label}", "speech", detail=text)

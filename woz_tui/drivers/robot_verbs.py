@@ -13,8 +13,6 @@ from woz_tui.drivers.contract import Argument, Verb
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.action_messages import Evidence
 
-#: Verbs with which a robot speaks.
-SPEAKING_VERBS = frozenset({"say"})
 #: How lights of the eyes change: not, by lids that close, by coming and going.
 EYE_ANIMATIONS = ("steady", "blink", "intermittent")
 

@@ -266,6 +266,7 @@ _KINDS = {
     "command": "one verb sent to one driver, from the request to its end",
     "engagement": "a state of the engagement machine",
     "speech": "a sentence of the visitor",
+    "echo": "the robot's own voice, as a microphone heard it",
     "trial": "a trial",
     "phase": "a phase of the experiment",
     "break": "a break between trials",

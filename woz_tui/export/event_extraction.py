@@ -277,7 +277,8 @@ class EventExtractor:
         return event
 
     def _speech(self, spoken: UtteranceEpisode) -> ExportEvent:
-        event = ExportEvent(seq=spoken.seq, begin=spoken.begin, kind="speech", driver=spoken.driver)
+        kind = "echo" if spoken.own else "speech"
+        event = ExportEvent(seq=spoken.seq, begin=spoken.begin, kind=kind, driver=spoken.driver)
         if spoken.started is not None or spoken.ended is not None:  # else nobody knows how long
             event.end = spoken.end
         if spoken.outcome != EpisodeOutcome.DONE:

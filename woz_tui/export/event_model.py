@@ -49,7 +49,8 @@ class ExportEvent(InContext):
         seq: Number of the line with which it began; orders what happened at the same time.
         begin: When it began, on the session's axis.
         end: When it ended; None: it was a moment.
-        kind: action, command, engagement, trial, phase, break, stop, speech, questionnaire,
+        kind: action, command, engagement, trial, phase, break, stop, speech, echo (the robot's own
+            voice, as a microphone heard it), questionnaire,
             difference (a robot's setting was other than asked for), conflict (of settings), code
             (a coder set it in a replay); for moments the kind of the line (marker, note,
             sensor.changed ...).

@@ -118,7 +118,7 @@ def _span(event: ExportEvent) -> TierSpan:
 def _words(event: ExportEvent) -> str:
     """The text of an annotation."""
     match event.kind:
-        case "command" | "speech" | "note" | "marker" | "break" | "code":
+        case "command" | "speech" | "echo" | "note" | "marker" | "break" | "code":
             parts = [event.text]
         case "engagement" | "phase":
             parts = [event.label]

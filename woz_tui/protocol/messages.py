@@ -494,18 +494,23 @@ class EngagementShown(Message, frozen=True, kw_only=True, tag="engagement.shown"
 
 class SpeechStarted(Message, frozen=True, kw_only=True, tag="speech.started"):
     """Somebody speaks. `segment` counts from 1; `began` is where it begins, pre-roll included, in
-    microseconds on the axis of `t`.
+    microseconds on the axis of `t`. `own`: it is the robot's own voice out of its loudspeaker, and
+    no visitor's (None: nobody has judged); `overlap`: a visitor's, who spoke into the robot's
+    sentence.
     """
 
     driver: str
     segment: int
     began: int
+    own: bool | None = None
+    overlap: bool = False
 
 
 class SpeechEnded(Message, frozen=True, kw_only=True, tag="speech.ended"):
     """They have stopped. `began` and `ended` in microseconds on the axis of `t`, pre-roll and
     trailing silence included; `file` is relative to the log's folder (empty: nothing was kept, and
-    `detail` says why where that was not wanted). `loudest` is an RMS, 0..1 of full scale.
+    `detail` says why where that was not wanted). `loudest` is an RMS, 0..1 of full scale. `own` and
+    `overlap` as in `speech.started`.
     """
 
     driver: str
@@ -515,6 +520,8 @@ class SpeechEnded(Message, frozen=True, kw_only=True, tag="speech.ended"):
     file: str = ""
     loudest: float | None = None
     detail: str = ""
+    own: bool | None = None
+    overlap: bool = False
 
 
 class SpokenWord(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -531,7 +538,10 @@ class SpokenWord(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 class SpeechText(Message, frozen=True, kw_only=True, tag="speech.text"):
     """What a segment says, as a program understood it. An empty text means that nothing
     was understood, or that it failed: then `detail` says why. `took_us`: from the end of speech.
-    `words` and `confidence` (0 to 1) are there if the program tells them.
+    `words`, `confidence` (0 to 1) and `language` are there if the program tells them. `own` and
+    `overlap` as in `speech.started`, by the words. Of texts so far, which are shown and not kept:
+    how many there were (`partials`), how many of them took back a word of the one before
+    (`revised`), and how long after the speech began the first came (`first_us`).
     """
 
     driver: str
@@ -541,6 +551,12 @@ class SpeechText(Message, frozen=True, kw_only=True, tag="speech.text"):
     detail: str = ""
     words: list[SpokenWord] = msgspec.field(default_factory=list)
     confidence: float | None = None
+    own: bool | None = None
+    overlap: bool = False
+    language: str = ""
+    partials: int = 0
+    revised: int = 0
+    first_us: int | None = None
 
 
 #: The sensor of a driver that finds out by itself when somebody speaks.

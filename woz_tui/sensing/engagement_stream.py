@@ -8,8 +8,8 @@ How messages are read:
 
 * A reading whose sensor stands for a sign is a sample; `loudness` is end-pointed by the model,
   unless a driver cuts speech into segments itself: from the moment its sensor `speech` has a state,
-  or from its first `speech.started` on, only these count. Numbers that are not finite are
-  missing, as they are in the log.
+  or from its first `speech.started` on, only these count, and the robot's own voice (`own`) does
+  not. Numbers that are not finite are missing, as they are in the log.
 * A `say` that begins (`command.dispatched`) is the robot's initiative in EngagedWithKnown and the
   answer in RobotThinks; its end, whatever kind of end, also by the stop, is the end of both. One
   that takes the place of another goes on with it. An answer that the wizard has begun before the
@@ -34,8 +34,8 @@ from woz_tui.config.engagement_json import settings_from_json
 from woz_tui.config.engagement_words import SIGNS, UNKNOWN
 from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.drivers.contract import SPEECH
-from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import SPEAKING_VERBS
 from woz_tui.protocol.requesters import requester
 from woz_tui.sensing import engagement_commands
 from woz_tui.sensing.engagement_model import EngagementModel, Transition
@@ -189,15 +189,15 @@ class EngagementFollower:
 
     def _speech_started(self, message: m.SpeechStarted) -> Transition | None:
         self.model.cuts = True
-        return self.model.step(Event.SPEECH_START)
+        return None if message.own else self.model.step(Event.SPEECH_START)
 
     def _speech_ended(self, message: m.SpeechEnded) -> Transition | None:
         self.model.cuts = True
-        return self.model.step(Event.SPEECH_END)
+        return None if message.own else self.model.step(Event.SPEECH_END)
 
     def _speech_text(self, message: m.SpeechText) -> Transition | None:
         """A text that is empty and has no excuse: nothing was understood."""
-        if message.text.strip() or message.detail:
+        if message.text.strip() or message.detail or message.own:
             return None
         return self.model.step(Event.SPEECH_ERROR)
 

@@ -101,6 +101,20 @@ class Endpointer:
             return self._end(self._first, number, cut=True)
         return None
 
+    def split(self, last: int) -> tuple[SpeechEnd, SpeechStart]:
+        """End the open segment with its chunk `last`: what came after it begins the next one."""
+        first, quiet = self._first, self._quiet
+        if first is None or not first <= last < self.chunks:
+            raise ValueError(f"no open segment has a chunk {last}")
+        ended = self._end(first, last, cut=True)
+        self._first, self._quiet = last + 1, quiet
+        return ended, SpeechStart(last + 1)
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether as many chunks as begin speech were loud just now."""
+        return self._loud >= self._onset
+
     def close(self) -> SpeechEnd | None:
         """The sound breaks off: an open segment ends with the last chunk there was."""
         if self._first is None:

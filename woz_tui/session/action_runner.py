@@ -16,10 +16,9 @@ from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Action, Call
 from woz_tui.config.performers import ENGAGEMENT, SESSION, composers, performers
 from woz_tui.drivers.contract import Verb
-from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.action_messages import HANDS, is_by_hand, weakest
+from woz_tui.protocol.action_messages import HANDS, SPEAKING_VERBS, is_by_hand, weakest
 from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.session.action_texts import ActionTexts, Steps, calls_in, missing_value_error
 from woz_tui.session.variables import MissingValueError

@@ -34,6 +34,7 @@ from woz_tui.protocol.action_messages import OF_CONSOLES, is_by_hand
 from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.protocol.requesters import WIZARD
+from woz_tui.sensing.own_voice import ROBOT_SPEECH
 from woz_tui.session.action_runner import ActionRunner, LastAct
 from woz_tui.session.action_texts import ActionTexts, ComposedCall, missing_value_error, utterances
 from woz_tui.session.driver_context import OnCompletion
@@ -163,6 +164,7 @@ class Session:
             unrecorded=self.recorder.refusal,
             folder=self.experiment.path.parent,
         )
+        self._tell_robot_speech()
         self._driver_manager = DriverManager(self.drivers, self.hub, self.bus.disconnected)
         self.texts = ActionTexts(
             self.hub,
@@ -476,9 +478,18 @@ class Session:
         reason = f"no driver{f' {on!r}' if on else ''} offers {verb!r}"
         return Refusal("unknown", reason, f"there are {', '.join(verbs)}")
 
+    def _tell_robot_speech(self) -> None:
+        """Drivers that hear learn what the robots say."""
+        for driver in self.feeds.drivers(ROBOT_SPEECH):
+            self.feeds.feed(driver, ROBOT_SPEECH).put(self.state.said)
+
     def _on_message(self, message: m.Message) -> None:
         """A message of this session: the state first, then who follows what goes on in it."""
-        for episode in self.state.apply(message):
+        said = self.state.said
+        changes = self.state.apply(message)
+        if self.state.said is not said:
+            self._tell_robot_speech()
+        for episode in changes:
             for call in self._following.get(type(episode), ()):
                 call(episode)
 

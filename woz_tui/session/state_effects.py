@@ -19,11 +19,11 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 
 from woz_tui.config.experiment import Action, Call, ParallelCalls, Step
-from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import PlayEffect
 from woz_tui.gate.table import why_not
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import SPEAKING_VERBS
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.model_time import SECOND
 from woz_tui.sensing.state_machine import State

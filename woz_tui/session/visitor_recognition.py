@@ -39,7 +39,8 @@ IDENTITY = ("identity",)
 class RobotHandshake:
     """One handshake with one visitor, led by the robot.
 
-    What is heard while the robot speaks is its own voice, and no answer.
+    What is heard while the robot speaks is its own voice, and no answer, unless the microphone
+    knows better whose it is.
 
     Args:
         robot: Speaks, and hears.
@@ -81,7 +82,7 @@ class RobotHandshake:
         segment = (message.driver, message.segment)
         if isinstance(message, m.SpeechStarted) and self._saying:
             self._own.add(segment)
-        if segment in self._own:
+        if message.own or (message.own is None and segment in self._own):
             return
         match message:
             case m.SpeechStarted():

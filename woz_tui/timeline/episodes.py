@@ -450,7 +450,8 @@ class ModelOffEpisode(Episode, frozen=True, kw_only=True):
 class UtteranceEpisode(Episode, frozen=True, kw_only=True):
     """Something that the visitor said, where the driver says that it was said.
 
-    Its lines come later than it: the recognised text after its end.
+    Its lines come later than it: the recognised text after its end. `own`: it is the robot's own
+    voice, and no visitor spoke; `overlap`: the visitor spoke into the robot's sentence.
     """
 
     kind = "utterance"
@@ -459,6 +460,8 @@ class UtteranceEpisode(Episode, frozen=True, kw_only=True):
     started: m.SpeechStarted | None = None
     ended: m.SpeechEnded | None = None
     text: m.SpeechText | None = None
+    own: bool = False
+    overlap: bool = False
 
     @property
     def label(self) -> str:

@@ -17,6 +17,7 @@ from woz_tui.config.performers import ENGAGEMENT, SESSION, composers, performers
 from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import DriverHealth
+from woz_tui.sensing.own_voice import GOES_ON_US, RobotSpeech, is_robots, visitors_words
 from woz_tui.timeline.engagement_history import ModelStatus
 from woz_tui.timeline.episodes import (
     MOST_KEPT,
@@ -42,8 +43,13 @@ from woz_tui.timeline.trial_context import Context
 
 #: Times beyond this (73,000 years, in microseconds) come from damaged lines only.
 LATEST_TIME = 1 << 61
+#: How long silence has to last before a microphone says that speech has ended, unless its settings
+#: say otherwise, in microseconds.
+USUAL_HANG_OVER_US = 1_000_000
 #: Utterances that are over and may still get a text; presses of a stop that is not released.
 UTTERANCES_KEPT, PRESSES_KEPT = 40, 16
+#: The verb of a microphone.
+LISTEN_ROOM = "listen_room"
 
 K = TypeVar("K")
 E = TypeVar("E", bound=Episode)
@@ -102,6 +108,7 @@ class SessionState:
             positions, what moved last at the end.
         filled: What each action would do if it were played now.
         speaking: Utterances that go on, by driver and segment.
+        said: What the robots say, and have said of late.
         restriction: What restricts the wizard's view, if anything does.
         locks: What locked or unlocked panels since they were shown last.
         consoles: Those that are there.
@@ -133,6 +140,7 @@ class SessionState:
     controls: dict[str, m.ControlsMoved] = field(default_factory=dict)
     addressed: dict[str, m.AddressedChanged] = field(default_factory=dict)
     speaking: dict[tuple[str, int], UtteranceEpisode] = field(default_factory=dict)
+    said: RobotSpeech = field(default_factory=RobotSpeech)
     filled: m.ActionsFilled | None = None
     locks: dict[str, m.PanelLocked] = field(default_factory=dict)
     perception: m.PerceptionChanged | None = None
@@ -330,6 +338,7 @@ class SessionState:
         return (replace(action, end=self.t, outcome=outcome, ended=message),)
 
     def _command(self, message: m.Command) -> Iterable[Episode]:
+        self.said = self.said.after(message)
         self.passing += message.passing
         if message.passing and not self.all_commands:
             keep_latest(self._passing, message.command, None)
@@ -342,6 +351,7 @@ class SessionState:
         return self._begin(self.commands, message.command, command)
 
     def _dispatched(self, message: m.Dispatched) -> Iterable[Episode]:
+        self.said = self.said.after(message)
         command = self.commands.get(message.command)
         if command is None:
             return self.stray(message)
@@ -377,6 +387,7 @@ class SessionState:
         return ()
 
     def _command_ended(self, message: m.End) -> Iterable[Episode]:
+        self.said = self.said.after(message)
         command = self.commands.pop(message.command, None)
         if command is None:
             ended = self.stray(message)
@@ -506,8 +517,15 @@ class SessionState:
         key = (message.driver, message.segment)
         began = self._past(message.began)
         driver, segment = key
+        own = self.said.heard_at(self.t) if self._is_unjudged(message) else bool(message.own)
         spoken = UtteranceEpisode(
-            begin=began, seq=message.seq, driver=driver, segment=segment, started=message
+            begin=began,
+            seq=message.seq,
+            driver=driver,
+            segment=segment,
+            started=message,
+            own=own,
+            overlap=message.overlap,
         )
         yield from self._cut_speech(driver, EpisodeOutcome.OPEN)
         self._finished.pop(key, None)
@@ -522,6 +540,13 @@ class SessionState:
             spoken = self._lone_utterance(message)
         end = self._past(message.ended)
         begin = min(self._past(message.began), end)
+        if self._is_unjudged(message):
+            silent = self.said.silent_since(end) if spoken.own else None
+            if silent is not None and end - silent > GOES_ON_US + USUAL_HANG_OVER_US:
+                spoken = replace(spoken, own=False, overlap=True)
+                begin = max(begin, min(silent, end))
+        elif message.own is not None:
+            spoken = replace(spoken, own=message.own, overlap=message.overlap)
         spoken = replace(
             spoken, begin=begin, end=end, outcome=EpisodeOutcome.DONE, cut=False, ended=message
         )
@@ -534,7 +559,29 @@ class SessionState:
             self.speaking[key] = replace(self.speaking[key], text=message)
             return
         spoken = self._finished.pop(key, None) or self._lone_utterance(message)
-        yield self._keep_finished(replace(spoken, text=message))
+        yield self._keep_finished(self._understood(replace(spoken, text=message), message))
+
+    def _understood(self, spoken: UtteranceEpisode, message: m.SpeechText) -> UtteranceEpisode:
+        """Words that are not the robot's make its own voice a visitor's."""
+        if not spoken.own:
+            return spoken
+        said = self.said.said_within(spoken.begin, spoken.end or self.t)
+        if message.own or (message.own is None and is_robots(message.text, said)):
+            return spoken
+        spoken = replace(spoken, own=False, overlap=True)
+        words = visitors_words(message.words, said)
+        if not words:
+            return spoken
+        end = self._past(words[-1].ended)
+        return replace(spoken, begin=min(self._past(words[0].began), end), end=end)
+
+    def _is_unjudged(self, message: m.SpeechStarted | m.SpeechEnded) -> bool:
+        """Whether a microphone heard it that could not tell the robot's voice from a visitor's: it
+        is known by its only verb. Robots that tell by themselves when somebody speaks hear nothing
+        while they speak.
+        """
+        verbs = self.plan.verbs.get(message.driver) if self.plan is not None else None
+        return message.own is None and verbs == [LISTEN_ROOM]
 
     def _lone_utterance(self, message: m.SpeechEnded | m.SpeechText) -> UtteranceEpisode:
         """An utterance of which the log has only this line."""

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 from woz_drivers.microphone import arecord_words, doctor
+from woz_drivers.microphone.own_voice import OwnVoiceGate
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
 from woz_drivers.microphone.speech_segments import SpeechSegments
@@ -84,7 +85,14 @@ class Microphone(PassiveDriver):
         )
         self._live = SoundOffer(context, settings.rate)
         self._segments = SpeechSegments(
-            name, settings.rate, context, settings.segments, self._transcriber
+            *(name, settings.rate, context, settings.segments, self._transcriber),
+            drop=settings.while_speaking == "drop",
+        )
+        self._gate = OwnVoiceGate(
+            *(context, self._speaking, self._segments),
+            onset=settings.onset,
+            pre_roll=settings.pre_roll,
+            keep=settings.while_speaking == "keep",
         )
 
     @classmethod
@@ -213,8 +221,8 @@ class Microphone(PassiveDriver):
 
     def _cut(self, samples: pcm_audio.Samples, level: float) -> None:
         self._segments.add(samples, level, self.context.clock.now_us())
+        self._gate.take()
         event = self._speaking.event
-        self._segments.happened(event, self._speaking.earliest)
         if isinstance(event, SpeechEnd):
             self._warn_if_endless(event.cut)
 

@@ -51,6 +51,14 @@ class MicrophoneSettings(Section):
     longest: Annotated[
         float, Seconds(1, 600), Doc("speech without a pause is cut into segments of this length")
     ] = 60.0
+    while_speaking: Annotated[
+        str,
+        OneOf(("mark", "drop", "keep")),
+        Doc(
+            "speech that begins while a robot of the session speaks: marked as the robot's own,"
+            " left out, or a visitor's as any other"
+        ),
+    ] = "mark"
     segments: Annotated[
         bool, Doc("keep what is said as WAV files beside the log; mind your ethics approval")
     ] = False

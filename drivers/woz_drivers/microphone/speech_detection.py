@@ -91,6 +91,19 @@ class SpeechDetector:
             self._speaks = False
         return level
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether speech is heard just now, in the open segment."""
+        return self._ends.speaks and self._ends.goes_on
+
+    def split(self, last: int) -> tuple[SpeechEnd, SpeechStart]:
+        """End the open segment with block `last`; what came after it begins the next one."""
+        return self._ends.split(last)
+
+    def end_segment(self) -> SpeechEnd | None:
+        """End the open segment here, whoever speaks on."""
+        return self._ends.close()
+
     def break_off(self) -> SpeechEnd | None:
         """The sound has broken off: the end of the segment that was open."""
         self._speaks = False

@@ -13,10 +13,11 @@ import msgspec
 
 from woz_drivers.microphone.segment_files import SegmentFiles
 from woz_drivers.microphone.speech_detection import BLOCK_S
-from woz_drivers.microphone.transcriber import SpeechToTranscribe, Transcriber
+from woz_drivers.microphone.transcriber import HeardVoice, SpeechToTranscribe, Transcriber
 from woz_drivers.sound import pcm_audio
 from woz_tui.drivers.contract import DriverContext
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted
+from woz_tui.sensing.own_voice import ROBOT_SPEECH, RobotSpeech
 from woz_tui.sensing.speech_endpoint import SpeechEnd, SpeechStart
 from woz_tui.system.tasks import READ_AGAIN_S, STOOD_STILL_S
 
@@ -28,6 +29,8 @@ _WINDOW = 250
 #: The end of an utterance is published after this time at most, in seconds, file or no file: the
 #: robot reacts to it. A moment more where this process stood still.
 _FILE_S = 0.15
+#: The robot's own voice is understood if it is so many blocks long: programs make words of less.
+_LEAST_OWN = 15
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +49,7 @@ class _PendingEnd:
     file: asyncio.Future[Path] | None
     name: str
     clock_us: int
+    said: str = ""
     late: bool = False
     timer: asyncio.TimerHandle | None = None
 
@@ -55,7 +59,7 @@ class SpeechSegments:
 
     `keep`: WAV files of what is said stay in the session's folder for media. With a `transcriber`
     each segment is understood too, and what was said of it so far while the transcriber has
-    nothing else to do.
+    nothing else to do. `drop`: of the robot's own voice nothing is told.
     """
 
     def __init__(
@@ -65,10 +69,13 @@ class SpeechSegments:
         context: DriverContext,
         keep: bool,
         transcriber: Transcriber | None,
+        *,
+        drop: bool = False,
     ) -> None:
         self._driver = driver
         self._context = context
         self._keep = keep
+        self._drop = drop
         self._transcriber = transcriber
         self._files = SegmentFiles(rate, self._warn_unsafe)
         self._time = SoundClock()
@@ -78,6 +85,8 @@ class SpeechSegments:
         self._began = 0
         #: First block of the segment under way; None: nobody speaks.
         self._open: int | None = None
+        self._voice = HeardVoice()
+        self._robots = context.feed(ROBOT_SPEECH)
         self._partial_blocks = round(transcriber.partial_s / BLOCK_S) if transcriber else 0
         self._warned_not_kept = False
         self._warned_unsafe = False
@@ -101,10 +110,32 @@ class SpeechSegments:
         self._tape.append(_Block(level, pcm))
         self._time.arrived(self._first + len(self._tape) - 1, clock_us)
 
-    def happened(self, event: SpeechStart | SpeechEnd | None, earliest: int) -> None:
-        """What began or ended with that block; blocks before `earliest` are not needed any more."""
+    @property
+    def open(self) -> int | None:
+        """The first block of the segment under way; None: nobody speaks."""
+        return self._open
+
+    @property
+    def latest(self) -> int:
+        """The last block."""
+        return self._first + len(self._tape) - 1
+
+    def level(self, block: int) -> float:
+        """A block's RMS; those of the open segment and its pre-roll are there."""
+        return self._tape[block - self._first].level
+
+    def t(self, block: int) -> int:
+        """When a block began, on the axis of `t`."""
+        return self._context.t(self._time.begins(block))
+
+    def happened(
+        self, event: SpeechStart | SpeechEnd | None, earliest: int, voice: HeardVoice
+    ) -> None:
+        """What began or ended with that block, and whose voice begins; blocks before `earliest` are
+        not needed any more.
+        """
         if isinstance(event, SpeechStart):
-            self._started(event)
+            self._started(event, voice)
         elif isinstance(event, SpeechEnd):
             self.ended(event, "cut: it goes on in the next segment" if event.cut else "")
         elif self._open is not None:
@@ -116,6 +147,8 @@ class SpeechSegments:
     def ended(self, event: SpeechEnd, detail: str) -> None:
         """A segment is over; `detail` says why, where it is not because of silence."""
         self._open = None
+        if self._left_out:
+            return
         blocks = [self._tape[n - self._first] for n in range(event.first, event.last + 1)]
         message = SpeechEnded(
             driver=self._driver,
@@ -124,11 +157,14 @@ class SpeechSegments:
             ended=self._began + len(blocks) * BLOCK_US,
             loudest=max(block.level for block in blocks),
             detail=detail,
+            own=self._voice.own,
+            overlap=self._voice.overlap,
         )
         name = f"{self._driver}-{self._segment:04d}.wav"
         media = self._context.media
         file = self._save(blocks, media / name)
         ending = _PendingEnd(message, file, f"{media.name}/{name}", self._context.clock.now_us())
+        ending.said = self._said(message) if message.own else ""
         ending.late = not self._keep
         if file is not None and not ending.late:
             file.add_done_callback(lambda _: self._publish())
@@ -150,11 +186,23 @@ class SpeechSegments:
 
     # -- publishing, in order -------------------------------------------------------------------
 
-    def _started(self, event: SpeechStart) -> None:
+    @property
+    def _left_out(self) -> bool:
+        return self._drop and bool(self._voice.own)
+
+    def _started(self, event: SpeechStart, voice: HeardVoice) -> None:
+        self._open, self._voice = event.first, voice
+        if self._left_out:
+            return
         self._segment += 1
-        self._open = event.first
-        self._began = self._context.t(self._time.begins(event.first))
-        message = SpeechStarted(driver=self._driver, segment=self._segment, began=self._began)
+        self._began = self.t(event.first)
+        message = SpeechStarted(
+            driver=self._driver,
+            segment=self._segment,
+            began=self._began,
+            own=voice.own,
+            overlap=voice.overlap,
+        )
         self._unpublished.append(message)
         self._publish()
 
@@ -163,6 +211,8 @@ class SpeechSegments:
         count = self._first + len(self._tape) - first
         every, transcriber = self._partial_blocks, self._transcriber
         if not every or count % every or transcriber is None or not transcriber.idle:
+            return
+        if self._voice.own:  # nobody is to read what the robot says as a visitor's words
             return
         pcm = b"".join(self._tape[n - self._first].pcm for n in range(first, first + count))
         file = self._files.lend(f"{self._driver}-{self._segment:04d}-{count}.wav", pcm)
@@ -203,8 +253,18 @@ class SpeechSegments:
             back = None if self._keep else self._files.give_back
             end = ending.message
             self._transcriber.add(
-                SpeechToTranscribe(end.segment, ending.file, end.began, ending.clock_us, back)
+                SpeechToTranscribe(
+                    *(end.segment, ending.file, end.began, ending.clock_us, back),
+                    voice=HeardVoice(end.own, end.overlap, ending.said),
+                )
             )
+
+    def _said(self, message: SpeechEnded) -> str:
+        """What the robot said in that time."""
+        speech = self._robots.latest().value
+        if not isinstance(speech, RobotSpeech):
+            return ""
+        return speech.said_within(message.began, message.ended)
 
     # -- files ---------------------------------------------------------------------------------
 
@@ -212,7 +272,9 @@ class SpeechSegments:
         pcm = b"".join(block.pcm for block in blocks)
         if self._keep:
             return self._files.keep(path, pcm)
-        return self._files.lend(path.name, pcm) if self._transcriber is not None else None
+        if self._transcriber is None or (self._voice.own and len(blocks) < _LEAST_OWN):
+            return None
+        return self._files.lend(path.name, pcm)
 
     def _with_file(self, ending: _PendingEnd) -> SpeechEnded:
         """The end of a segment with its file, or with why there is none."""

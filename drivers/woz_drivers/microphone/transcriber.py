@@ -21,6 +21,7 @@ from woz_drivers.programs import child_process, command_lines
 from woz_drivers.programs.resident_program import ResidentProgram
 from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError
 from woz_tui.protocol.messages import SpeechText, SpokenWord
+from woz_tui.sensing.own_voice import is_robots
 from woz_tui.system.tasks import end_tasks
 
 log = logging.getLogger(__name__)
@@ -42,10 +43,27 @@ _PARTIAL_EVERY_US = 300_000
 
 
 @dataclass(frozen=True, slots=True)
+class HeardVoice:
+    """Whose voice a segment is, as in `speech.started`; and what the robot said in that time, if it
+    is its own.
+    """
+
+    own: bool | None = None
+    overlap: bool = False
+    said: str = ""
+
+    def with_words(self, text: str) -> HeardVoice:
+        """The same once its words are known: those that are not the robot's are a visitor's."""
+        if not self.own or is_robots(text, self.said):
+            return self
+        return HeardVoice(own=False, overlap=True)
+
+
+@dataclass(frozen=True, slots=True)
 class SpeechToTranscribe:
     """A segment to be understood: its number, its file once that is there, when it began on the
-    axis of `t` and ended on the clock, what becomes of the file afterwards, and whether it goes on
-    (then its text is shown and not kept).
+    axis of `t` and ended on the clock, what becomes of the file afterwards, whether it goes on
+    (then its text is shown and not kept), and whose voice it is.
     """
 
     segment: int
@@ -54,6 +72,7 @@ class SpeechToTranscribe:
     ended_us: int
     done_with: Callable[[Path], object] | None = None
     goes_on: bool = False
+    voice: HeardVoice = HeardVoice()
 
 
 class TranscribedWord(msgspec.Struct, frozen=True):
@@ -296,9 +315,11 @@ class Transcriber:
         took_us = max(0, self._context.clock.now_us() - heard.ended_us)
         if not detail:
             self._context.reading(TRANSCRIBER, round(took_us / 1_000_000, 2), unit="s")
-        if self._shown and not detail:  # the text so far has become this one
-            self._context.reading(SPEECH, None, text=one_line(transcript.text))
-        self._shown = ""
+        voice = heard.voice.with_words(transcript.text)
+        if not voice.own:
+            if self._shown and not detail:  # the text so far has become this one
+                self._context.reading(SPEECH, None, text=one_line(transcript.text))
+            self._shown = ""
         message = SpeechText(
             driver=self._driver,
             segment=heard.segment,
@@ -307,6 +328,8 @@ class Transcriber:
             detail=detail,
             words=[_placed(word, heard.began) for word in transcript.words[:_MOST_WORDS]],
             confidence=transcript.confidence,
+            own=voice.own,
+            overlap=voice.overlap,
         )
         self._context.tell(message)
 

@@ -63,6 +63,19 @@ def play(tmp_path: Path) -> Callable[[Callable[[SessionRig], Awaitable[None]]], 
 Play = Callable[[Callable[[SessionRig], Awaitable[None]]], SessionRig]
 
 
+def test_the_end_of_the_robots_own_voice_is_no_cue(play: Play) -> None:
+    async def scene(rig: SessionRig) -> None:
+        now = rig.session.hub.now()
+        own = m.SpeechEnded(driver="ears", segment=1, began=0, ended=now, own=True)
+        rig.session.hub.publish(own)
+        rig.session.play("Hello", KEY)
+        await asyncio.sleep(0.1)
+        assert rig.of(ActionHeld) == []
+        assert [verb for verb, _ in rig.driver().calls] == ["say"]
+
+    play(scene)
+
+
 def test_an_answer_that_comes_too_soon_begins_at_the_floor(play: Play) -> None:
     async def scene(rig: SessionRig) -> None:
         ended = visitor_stops(rig)

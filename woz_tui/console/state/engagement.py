@@ -50,14 +50,15 @@ class EngagementView:
         return max(0, now - shown.waits_since)
 
     def speaking(self, now: int) -> UtteranceEpisode | None:
-        """The utterance that goes on now, if one does."""
+        """The visitor's utterance that goes on now, if one does."""
         for spoken in reversed(self.session.speaking.values()):
-            return spoken if now - spoken.begin < ENDLESS_US else None
+            if not spoken.own:
+                return spoken if now - spoken.begin < ENDLESS_US else None
         return None
 
     def transcripts(self) -> list[m.SpeechText]:
-        """What was understood, newest first."""
-        return [text for text in reversed(self._transcripts) if text.text]
+        """What visitors were understood to say, newest first."""
+        return [text for text in reversed(self._transcripts) if text.text and not text.own]
 
     def moves(self, now: int) -> bool:
         """Whether a figure on the screen grows by itself: somebody waits or speaks."""

@@ -385,7 +385,9 @@ def _speech(message: m.SpeechEnded, shown: EventContext) -> EventLine | None:
     return EventLine("warning", "Speech not saved", message.detail)
 
 
-def _transcript_line(message: m.SpeechText, shown: EventContext) -> EventLine:
+def _transcript_line(message: m.SpeechText, shown: EventContext) -> EventLine | None:
+    if message.own:  # the robot's voice: its action is there already
+        return None
     if message.text.strip():
         return EventLine("heard", f"“{message.text}”", "heard")
     mark = "warning" if message.detail else "info"

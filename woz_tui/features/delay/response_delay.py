@@ -65,7 +65,7 @@ class ResponseDelay:
         match message:
             case ShapingChanged():
                 self._settings, self._cue = message, None
-            case m.SpeechEnded(ended=ended):
+            case m.SpeechEnded(ended=ended, own=own) if not own:
                 self._cued("speech", ended)
             case m.EngagementChanged(t=t):
                 self._cued("engagement", t)

@@ -6,10 +6,10 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from woz_tui.config.experiment import Action, Call
-from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.features.repairs.section import INTERRUPT, PANEL, REPEAT, REWORD
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import SPEAKING_VERBS
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import requester
 from woz_tui.session.action_runner import may_speak

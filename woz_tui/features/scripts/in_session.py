@@ -14,13 +14,13 @@ from typing import Any, ClassVar
 
 from woz_tui.config.experiment import Experiment
 from woz_tui.drivers.contract import Ask
-from woz_tui.drivers.robot_verbs import SPEAKING_VERBS
 from woz_tui.features.phases.kinds import PhaseChanged
 from woz_tui.features.scripts.kinds import AskScript, ScriptMoved
 from woz_tui.features.scripts.section import SCRIPT
 from woz_tui.gate.questions import PlayAction, RequestOrigin
 from woz_tui.gate.table import another_plays_action
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import SPEAKING_VERBS
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 from woz_tui.timeline.episodes import (

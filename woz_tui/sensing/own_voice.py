@@ -1,0 +1,129 @@
+"""Whose voice a microphone hears: a visitor's, or the robot's own out of its loudspeaker.
+
+One rule for the microphone's driver, which cuts the sound by it, and for whoever reads a log that
+was written before there was a rule. Speech that begins while the robot speaks, or within `TAIL_US`
+after it, is the robot's own. It is a visitor's all the same, an *overlap*, if it goes on for more
+than `GOES_ON_US` after the robot fell silent, or if its words are others than the robot's.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import SPEAKING_VERBS
+
+#: Feed of a driver that hears: what the robots of the session say, as `RobotSpeech`.
+ROBOT_SPEECH = "robot.speech"
+#: For so long after its end a sentence may still be heard: a loudspeaker is late, a room echoes.
+TAIL_US = 500_000
+#: Speech that goes on for longer after the robot fell silent is somebody else's.
+GOES_ON_US = 600_000
+#: A text is the robot's if so many of its words are, in their order.
+ALIKE = 0.6
+#: Sentences that are kept, and requests for some that have not begun; words that are compared.
+_KEPT, _MOST_WORDS = 32, 400
+#: What a robot's text has beside words: `\pau=500\`, `^start(animations/...)`.
+_TAGS = re.compile(r"\\[^\\]*\\|\^\w+\([^)]*\)")
+
+
+@dataclass(frozen=True, slots=True)
+class RobotSentence:
+    """Something that a robot says, by the command of that id; times on the axis of `t`, in
+    microseconds. `ended`: None while it is being said.
+    """
+
+    command: str
+    text: str
+    began: int
+    ended: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RobotSpeech:
+    """What the robots of a session have said of late, and say now, oldest first."""
+
+    sentences: tuple[RobotSentence, ...] = ()
+    _asked: tuple[tuple[str, str], ...] = ()
+
+    def after(self, message: m.Message) -> RobotSpeech:
+        """The same with what a message tells: only commands that speak, and their ends, do."""
+        if isinstance(message, m.Command):
+            if message.verb not in SPEAKING_VERBS:
+                return self
+            asked = (*self._asked, (message.command, str(message.args.get("text", ""))))
+            return replace(self, _asked=asked[-_KEPT:])
+        if isinstance(message, m.Dispatched):
+            text = dict(self._asked).get(message.command)
+            if text is None:
+                return self
+            said = RobotSentence(message.command, text, message.t)
+            return RobotSpeech((*self.sentences, said)[-_KEPT:], self._without(message.command))
+        if isinstance(message, m.End):
+            sentences = tuple(
+                replace(each, ended=message.t)
+                if each.command == message.command and each.ended is None
+                else each
+                for each in self.sentences
+            )
+            return RobotSpeech(sentences, self._without(message.command))
+        return self
+
+    def _without(self, command: str) -> tuple[tuple[str, str], ...]:
+        return tuple(each for each in self._asked if each[0] != command)
+
+    def heard_at(self, t: int) -> bool:
+        """Whether speech that begins at `t` is the robot's own."""
+        return any(
+            each.began <= t and (each.ended is None or t <= each.ended + TAIL_US)
+            for each in self.sentences
+        )
+
+    def began_within(self, since: int, until: int) -> bool:
+        """Whether the robot began a sentence later than `since`, and not later than `until`."""
+        return any(since < each.began <= until for each in self.sentences)
+
+    def silent_since(self, t: int) -> int | None:
+        """When the robot fell silent, at `t`; None: it speaks, or has never spoken."""
+        begun = [each for each in self.sentences if each.began <= t]
+        if not begun or any(each.ended is None or each.ended > t for each in begun):
+            return None
+        return max(each.ended or 0 for each in begun)
+
+    def said_within(self, began: int, ended: int) -> str:
+        """What the robot may be heard to say between two moments."""
+        return " ".join(
+            each.text
+            for each in self.sentences
+            if each.began <= ended and (each.ended is None or each.ended + TAIL_US >= began)
+        )
+
+
+def is_robots(text: str, said: str) -> bool:
+    """Whether what was understood is what the robot said, rather than somebody's words."""
+    heard, own = _words(text), _words(said)
+    return not heard or _in_order(heard, own) >= ALIKE * len(heard)
+
+
+def visitors_words(words: Sequence[m.SpokenWord], said: str) -> list[m.SpokenWord]:
+    """Those words that are not among the robot's."""
+    own = set(_words(said))
+    return [word for word in words if not own.issuperset(_words(word.text))]
+
+
+def _words(text: str) -> list[str]:
+    return re.findall(r"\w+", _TAGS.sub(" ", text).casefold())[:_MOST_WORDS]
+
+
+def _in_order(one: Sequence[str], other: Sequence[str]) -> int:
+    """The length of the longest common subsequence."""
+    lengths = [0] * (len(other) + 1)
+    for word in one:
+        before = 0
+        for at, each in enumerate(other, 1):
+            kept = lengths[at]
+            lengths[at] = before + 1 if word == each else max(lengths[at], lengths[at - 1])
+            before = kept
+    return lengths[-1]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from naoqi_simulator.service_table import CallRefusedError, Service, offers
 from naoqi_simulator.visitor import SimulatedPerson
@@ -164,7 +165,8 @@ class AudioDevice(Service):
             while True:
                 due = begin + samples / wish.rate
                 await self._world.time.sleep(due - self._world.time.now())
-                sound = block(self._world.person(), begin, samples, wish.rate, channels)
+                echo = Echo(self._world.options.echo, self._world.spoke)
+                sound = block(self._world.person(), begin, samples, wish.rate, channels, echo=echo)
                 stamp = [int(begin), int(begin % 1 * 1e6)]
                 if self._world.clients is None:
                     raise LookupError("nobody can be called from here")
@@ -178,13 +180,16 @@ class AudioDevice(Service):
             self._sending.pop(who, None)
 
 
-# -- what the microphones hear: noise, and the visitor's voice when they talk ----------------------
+# -- what the microphones hear: noise, the visitor's voice when they talk, and the robot's own -----
 
 #: getFrontMicEnergy counts like this in a quiet room, and with somebody talking a metre away.
 QUIET, LOUD = 250.0, 4000.0
 HIGHEST = 10_000.0
 #: Hz of the simulated voice, and how often a second it gets louder and softer: syllables.
 PITCH_HZ, SYLLABLES_HZ = 160.0, 4.0
+#: The same of the robot's, its loudness at its own microphones with an echo of 1, and how long it
+#: takes to get there, in seconds.
+OWN_HZ, OWN_SYLLABLES_HZ, OWN_LOUD, OWN_LATE_S = 110.0, 5.0, 12_000.0, 0.1
 
 
 def energy(person: SimulatedPerson | None, now: float) -> float:
@@ -197,8 +202,22 @@ def energy(person: SimulatedPerson | None, now: float) -> float:
     return min(HIGHEST, noise + LOUD * syllable / max(0.4, person.distance))
 
 
+@dataclass(frozen=True, slots=True)
+class Echo:
+    """The share of its loudness at which the robot hears itself, and when it spoke, in seconds."""
+
+    share: float = 0.0
+    spoke: Sequence[tuple[float, float | None]] = ()
+
+
 def block(
-    person: SimulatedPerson | None, begin: float, samples: int, rate: int, channels: int
+    person: SimulatedPerson | None,
+    begin: float,
+    samples: int,
+    rate: int,
+    channels: int,
+    *,
+    echo: Echo = Echo(),
 ) -> Samples:
     """Sound of `samples` a channel from a time on, interleaved; the same for the same time."""
     import numpy as np  # noqa: PLC0415 - most robots are not listened to, and start sooner
@@ -207,8 +226,19 @@ def block(
     noise = np.random.default_rng(round(begin * 1000)).normal(0.0, 60.0, samples)
     sound = noise
     if person is not None and person.talking:
-        loud = 6000.0 / max(0.4, person.distance)
-        voice = sum(np.sin(2 * np.pi * PITCH_HZ * n * times) / n for n in range(1, 6))
-        sound = noise + loud * voice * np.abs(np.sin(np.pi * SYLLABLES_HZ * times)) / 2
+        sound = sound + 6000.0 / max(0.4, person.distance) * _voice(times, PITCH_HZ, SYLLABLES_HZ)
+    heard = times - OWN_LATE_S
+    for began, ended in echo.spoke:
+        if echo.share and heard[-1] >= began and (ended is None or heard[0] < ended):
+            own = OWN_LOUD * echo.share * _voice(times, OWN_HZ, OWN_SYLLABLES_HZ)
+            last = np.inf if ended is None else ended
+            sound = sound + own * ((heard >= began) & (heard < last))
     mono = np.clip(sound, -32768, 32767).astype("<i2")
     return np.repeat(mono, channels)
+
+
+def _voice(times: NDArray[np.float64], pitch_hz: float, syllables_hz: float) -> Any:
+    import numpy as np  # noqa: PLC0415 - as above
+
+    voice = sum(np.sin(2 * np.pi * pitch_hz * n * times) / n for n in range(1, 6))
+    return voice * np.abs(np.sin(np.pi * syllables_hz * times)) / 2

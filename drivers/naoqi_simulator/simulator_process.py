@@ -150,6 +150,12 @@ def parser() -> argparse.ArgumentParser:
     add("--moody", action="store_true", help="it changes its autonomy by itself now and then")
     add("--naoqi", default="", metavar="VERSION", help="what ALSystem says it is")
     add("--subscriber", action="store_true", help="ALMemory.subscriber works, as it does on a NAO")
+    add(
+        "--echo",
+        type=float,
+        default=0.3,
+        help="how loud it hears itself, 0 to 1",
+    )
     add("--files", type=Path, help="folder that is the root of its file system")
     add("--control", action="store_true", help="orders on standard input, see below")
     return made
@@ -191,6 +197,7 @@ async def _serve(parsed: argparse.Namespace, out: int, hosting: Hosting) -> None
         invalid_signature=not parsed.subscriber and parsed.robot == "pepper",
         version=parsed.naoqi,
         files=parsed.files,
+        echo=parsed.echo,
     )
     robot = NaoqiSimulator(SimulatedWorld(PacedTime(parsed.pace), options))
     host, address = await start(robot, parsed.host, parsed.port, hosting)

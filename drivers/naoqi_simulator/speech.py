@@ -14,6 +14,8 @@ from naoqi_simulator.world import SimulatedWorld
 
 #: Seconds from the call until the sound begins.
 ONSET_S = 0.15
+#: Words of which is remembered when they were said: microphones hear them a moment later.
+_REMEMBERED = 8
 _LIMITS = {"pitchShift": (0.0, 4.0), "speed": (50.0, 400.0), "volume": (0.0, 100.0)}
 
 
@@ -73,7 +75,12 @@ class SpeechVoice:
         said = {"text": words.text, **asdict(words.manner), "whole": False}
         self.said.append(said)
         seconds = words.seconds(self.parameters["speed"])
-        said["whole"] = await self._world.going.last("speech", seconds, words.text)
+        spoke, began = self._world.spoke, self._world.time.now()
+        spoke[:] = [*spoke[-_REMEMBERED:], (began, None)]
+        try:
+            said["whole"] = await self._world.going.last("speech", seconds, words.text)
+        finally:
+            spoke[-1] = (began, self._world.time.now())
         return bool(said["whole"])
 
     def _event(self, name: str, value: Any) -> None:

@@ -43,6 +43,7 @@ class SimulatorOptions:
     invalid_signature: bool = True
     version: str = ""
     files: Path | None = None
+    echo: float = 0.3
 
 
 @dataclass(slots=True)
@@ -64,6 +65,8 @@ class SimulatedWorld:
     notes: list[str] = field(init=False)
     #: A person put there by hand; False: nobody.
     placed: SimulatedPerson | bool | None = field(init=False)
+    #: When the loudspeaker spoke of late, in seconds: begin, and end or None while it speaks.
+    spoke: list[tuple[float, float | None]] = field(default_factory=list)
     #: Whether the person there answers the robot just now.
     talks: bool = field(init=False)
     _visitors: SimulatedVisitors = field(init=False)

@@ -66,7 +66,10 @@ _T = TypeVar("_T")
 
 def simulated_naoqi(settings: NaoqiSettings, folder: Path) -> SimulatedProcess:
     """The robot of the address `simulated`."""
-    options = ("--robot", settings.model.simulator, "--pace", f"{settings.pace:g}")
+    options = (
+        *("--robot", settings.model.simulator),
+        *("--pace", f"{settings.pace:g}", "--echo", f"{settings.echo:g}"),
+    )
     return SimulatedProcess("naoqi_simulator", options, folder)
 
 

@@ -139,6 +139,11 @@ class NaoqiSettings(Section):
     pace: Annotated[
         float, Range(0.01, 100), Doc("of the simulated robot only: how fast its time passes")
     ] = 1.0
+    echo: Annotated[
+        float,
+        Range(0, 1),
+        Doc("of the simulated robot only: how loud its microphones hear its own voice; 0: not"),
+    ] = 0.3
 
     @property
     def addresses(self) -> Mapping[str, str]:

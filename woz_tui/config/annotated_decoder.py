@@ -119,11 +119,18 @@ def find_note(notes: Sequence[Any], kind: type[N]) -> N | None:
 
 def values_with_note(settings: Any, kind: type) -> Iterator[tuple[str, str]]:
     """Texts among the settings that have a note of this kind, by name; empty ones are left out."""
+    for name, value, _ in notes_of_values(settings, kind):
+        yield name, value
+
+
+def notes_of_values(settings: Any, kind: type[N]) -> Iterator[tuple[str, str, N]]:
+    """The same with their notes."""
     shape: type = type(settings)
     for item in fields_of(shape):
         value = getattr(settings, item.attribute)
-        if value and find_note(split_annotation(item.annotation)[1], kind) is not None:
-            yield item.name, value
+        note = find_note(split_annotation(item.annotation)[1], kind)
+        if value and note is not None:
+            yield item.name, value, note
 
 
 def names_of(shape: type) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from pathlib import Path
 from woz_tui.config.annotated_decoder import (
     INVALID,
     names_of,
+    notes_of_values,
     read_section,
     read_settings,
     values_with_note,
@@ -284,6 +285,7 @@ class RobotReader:
             if other.name.startswith(prefix)
         }
         own = spec.at and spec.at.name
+        self._lacking(spec, path, prefix)
         for setting, name in values_with_note(spec.settings, Sibling):
             if there.get(name, own) != own:
                 self._report.error_at(
@@ -292,6 +294,14 @@ class RobotReader:
                     " second: give both the same `at:`",
                     spec.place.file,
                 )
+
+    def _lacking(self, spec: DriverSpec, path: str, prefix: str) -> None:
+        """What is used of another driver has to be there."""
+        lacks = {other.name: other.offer.lacks for other in self._robots.drivers}
+        for setting, name, note in notes_of_values(spec.settings, Sibling):
+            why = lacks.get(f"{prefix}{name}", {}).get(note.uses, "")
+            if why:
+                self._report.error_at(join(path, setting), f"{name}: {why}", spec.place.file)
 
     def _siblings(self, spec: DriverSpec, path: str, own: str, known: list[str]) -> None:
         """Settings that name another driver of the same robot."""

@@ -11,6 +11,9 @@ import threading
 from dataclasses import dataclass
 from typing import Any
 
+#: Feed of each driver: how it is, as its last `HealthStatement`.
+HEALTH = "health"
+
 
 @dataclass(frozen=True, slots=True)
 class Latest:

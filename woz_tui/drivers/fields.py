@@ -142,7 +142,11 @@ class Port:
 
 @dataclass(frozen=True, slots=True)
 class Sibling:
-    """The name of another driver of the same robot; empty: of none."""
+    """The name of another driver of the same robot; empty: of none. `uses`: what that one must
+    have, as its `Offer.lacks` calls it.
+    """
+
+    uses: str = ""
 
 
 @dataclass(frozen=True, slots=True)

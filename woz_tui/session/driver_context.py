@@ -27,7 +27,7 @@ from woz_tui.drivers.contract import (
     SensorStatement,
     UnableStatement,
 )
-from woz_tui.drivers.feeds import Feed, Feeds
+from woz_tui.drivers.feeds import HEALTH, Feed, Feeds
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import (
     DriverConnected,
@@ -192,6 +192,7 @@ class SessionDriverContext(DriverContext):
                 self._sensors[sensor] = state
             case HealthStatement(health=health, detail=detail):
                 self._health = (health, detail)
+                self._feeds.feed(self._driver, HEALTH).put(statement)
                 self._faults.clear(self._driver)
             case ModeStatement(mode=mode):
                 self._mode = mode

@@ -1,4 +1,6 @@
-"""Loudness and speech from any program that writes raw sound: arecord, parec, `ssh other ...`."""
+"""Loudness and speech from any program that writes raw sound (arecord, parec, `ssh other ...`), or
+from the microphone of a robot.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +11,7 @@ from typing import Any
 
 from woz_drivers.microphone import arecord_words, doctor
 from woz_drivers.microphone.own_voice import OwnVoiceGate
+from woz_drivers.microphone.robot_ears import RobotEars
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
 from woz_drivers.microphone.speech_segments import SpeechSegments
@@ -46,6 +49,7 @@ SENSOR = "loudness"
 #: Sound may come this much faster than real time before it is slowed down, in seconds. A device
 #: never gets there; a file played back as a microphone would flood the log.
 _AHEAD_S = 2.0
+_STARTING = "starting the microphone's command"
 _CHECK = "try its command in a terminal; `woz doctor` lists the devices"
 
 
@@ -62,7 +66,7 @@ class Microphone(PassiveDriver):
     Settings = MicrophoneSettings
     summary = "loudness and speech from a microphone"
     facts = DriverFacts(
-        needs="a recording program such as arecord",
+        needs="a recording program such as arecord, or a robot with live sound",
         page="docs/explanation/engagement-sound.md",
     )
     settings: MicrophoneSettings
@@ -76,14 +80,15 @@ class Microphone(PassiveDriver):
         self._blocks_heard = 0
         self._warned = False
         self._resume: asyncio.TimerHandle | None = None
-        self._source: ByteStream | None = None
+        self._source: ByteStream | RobotEars | None = None
         program = _transcribing_program(settings, context)
         self._transcriber = (
             Transcriber(name, program, context, settings.partial_texts)
             if program is not None
             else None
         )
-        self._live = SoundOffer(context, settings.rate)
+        #: Of a robot's microphone its own driver has it.
+        self._live = None if settings.from_ else SoundOffer(context, settings.rate)
         self._segments = SpeechSegments(
             *(name, settings.rate, context, settings.segments, self._transcriber),
             drop=settings.while_speaking == "drop",
@@ -121,17 +126,21 @@ class Microphone(PassiveDriver):
 
     async def open(self) -> None:
         """Start the command, and again whenever it ends."""
-        self.context.health(Health.CONNECTING, "starting the microphone's command")
+        settings = self.settings
+        starting = f"waiting for sound of {settings.from_}" if settings.from_ else _STARTING
+        self.context.health(Health.CONNECTING, starting)
         self.context.reading(room_threshold.THRESHOLD, self._speaking.threshold)
         self.context.sensor(SPEECH, "ready", "it reports speech by itself")
-        settings = self.settings
-        command = StreamCommand(
-            *(settings.words, self.context.folder, "no sound", _CHECK),
-            least=settings.block_bytes,
-            advise=partial(arecord_words.remedy, settings),
-        )
         listener = StreamListener(self._begun, self._received, self._stale, self._lost)
-        self._source = ByteStream(command, self.context.clock, listener)
+        if settings.from_:
+            self._source = RobotEars(settings.from_, settings.rate, self.context, listener)
+        else:
+            command = StreamCommand(
+                *(settings.words, self.context.folder, "no sound", _CHECK),
+                least=settings.block_bytes,
+                advise=partial(arecord_words.remedy, settings),
+            )
+            self._source = ByteStream(command, self.context.clock, listener)
         self._source.start()
         if self._transcriber is not None:
             self._transcriber.start()
@@ -203,12 +212,12 @@ class Microphone(PassiveDriver):
         if not self._blocks_heard:
             self.context.health(
                 Health.CONNECTED,
-                f"{settings.words[0]}, {settings.rate} Hz, {settings.format},"
+                f"{settings.source}, {settings.rate} Hz, {settings.format},"
                 f" {settings.channels} channel{'s' if settings.channels > 1 else ''}",
             )
         self._blocks_heard += 1
         samples = settings.samples(block)
-        if self._live.wanted:
+        if self._live is not None and self._live.wanted:
             self._live.add(pcm_audio.encode(samples, "S16_LE"))
         level = self._speaking.judge(samples)
         self.context.sensor(SENSOR, self._speaking.state, self._reason(level))

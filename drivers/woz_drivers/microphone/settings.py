@@ -11,7 +11,8 @@ from woz_drivers.programs import command_lines
 from woz_drivers.programs.resident_program import resident_words
 from woz_drivers.sound import pcm_audio
 from woz_tui.drivers.contract import DriverError
-from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
+from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section, Sibling
+from woz_tui.drivers.sound_feeds import LISTEN
 from woz_tui.system.extras import install_command
 
 
@@ -22,6 +23,14 @@ class MicrophoneSettings(Section):
     command: Annotated[
         str | tuple[str, ...],
         Doc("program that writes raw sound to stdout; default: arecord with the settings below"),
+    ] = ""
+    from_: Annotated[
+        str,
+        Sibling(uses=LISTEN),
+        Doc(
+            "driver of the same robot whose live sound it is, such as a Pepper's, instead of a"
+            " program"
+        ),
     ] = ""
     device: Annotated[str, Doc("ALSA device for arecord, such as plughw:1,0")] = ""
     rate: Annotated[int, Range(4_000, 192_000, "Hz"), Doc("frames a second")] = 16_000
@@ -97,7 +106,13 @@ class MicrophoneSettings(Section):
             found.append(
                 ("channel", f"there is no channel {self.channel}: channels is {self.channels}")
             )
-        if self.command and self.device:
+        if self.from_:
+            found += [
+                (name, f"the sound is {self.from_}'s, as it sends it: leave {name} out")
+                for name in _OF_PROGRAMS
+                if getattr(self, name) != getattr(_BARE, name)
+            ]
+        elif self.command and self.device:
             found.append(("device", "it is for arecord; put the device into your command instead"))
         if self.speech == "voice" and not voice_detection.installed():
             found.append(
@@ -148,6 +163,11 @@ class MicrophoneSettings(Section):
         return resident_words(self.resident_transcriber, "resident_transcriber")
 
     @property
+    def source(self) -> str:
+        """Where the sound comes from, in sentences."""
+        return self.from_ or self.words[0]
+
+    @property
     def words(self) -> tuple[str, ...]:
         """The command. Raises `DriverError` if it is none."""
         if self.command:
@@ -179,3 +199,8 @@ class MicrophoneSettings(Section):
         return pcm_audio.one_channel(
             pcm_audio.decode(block, self.format, self.channels), self.channel
         )
+
+
+#: What is about a program's sound alone, and how it is where nothing is written.
+_OF_PROGRAMS = ("command", "device", "rate", "format", "channels")
+_BARE = MicrophoneSettings()

@@ -11,13 +11,14 @@ import pytest
 from woz_drivers.microphone.driver import Microphone
 from woz_drivers.microphone.robot_ears import at_rate
 from woz_drivers.microphone.settings import MicrophoneSettings
+from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.microphones import microphone_opener
 from tests.drivers.published_messages import PublishedMessages, until
 from tests.fakes.sound import square
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
-from woz_tui.drivers.contract import Health, HealthStatement
+from woz_tui.drivers.contract import Health, HealthStatement, OtherDriver, Probe
 from woz_tui.drivers.feeds import HEALTH
 from woz_tui.drivers.plugins import installed
 from woz_tui.drivers.sound_feeds import LISTENED, SOUND, SoundListened, SoundWindow
@@ -167,6 +168,32 @@ panels: [{{title: P, actions: [{{key: a, label: Hello, say: Hello, on: pepper}}]
         load(path, installed())
     found = {f"{one.place.line}:{one.place.column}": one.message for one in raised.value.problems}
     assert words in found[place]
+
+
+async def test_woz_doctor_listens_through_the_robot(tmp_path: Path) -> None:
+    """Its own connection, for a second; the simulated one sends sound in real time."""
+    catalogue = installed()
+    settings = PepperSettings(robots=("simulated",))
+    others = {"pepper": OtherDriver(catalogue["pepper"], settings)}
+    probe = Probe("ears", MicrophoneSettings(from_="pepper"), tmp_path, others)
+    (finding,) = await Microphone.examine(probe)
+    assert finding.text.startswith("pepper: RMS 0.0")
+    assert finding.level in ("ok", "warning"), "a visitor may speak"
+
+
+async def test_woz_doctor_says_what_it_cannot_hear(tmp_path: Path) -> None:
+    catalogue = installed()
+    settings = MicrophoneSettings(from_="furhat")
+    probe = Probe("ears", settings, tmp_path, {"furhat": OtherDriver(catalogue["furhat"], None)})
+    (finding,) = await Microphone.examine(probe)
+    assert (finding.level, finding.text) == (
+        *("info", "the sound of furhat comes in a session alone"),
+    )
+    gone = PepperSettings(robots=("127.0.0.1:1",))
+    others = {"furhat": OtherDriver(catalogue["pepper"], gone)}
+    (finding,) = await Microphone.examine(Probe("ears", settings, tmp_path, others))
+    assert finding.level == "error"
+    assert "127.0.0.1:1" in finding.text
 
 
 def test_it_offers_what_a_microphone_offers() -> None:

@@ -20,7 +20,7 @@ from woz_tui.config.experiment import DriverSpec
 from woz_tui.config.file_position import ExperimentError, Problem
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
-from woz_tui.drivers.contract import Driver, Finding, Probe
+from woz_tui.drivers.contract import Driver, Finding, OtherDriver, Probe
 from woz_tui.feature import pieces
 from woz_tui.machine import machine_checks, terminal_check
 from woz_tui.machine.feature_checks import FeatureChecks
@@ -251,7 +251,13 @@ def _driver(spec: DriverSpec, devices: _Devices, at: str) -> list[Finding]:
         text = f"its hardware is at {place or 'the computer of the session'}"
         remedy = f"there: woz doctor ROBOT_FILE{f' --at {place}' if place else ''}"
         return [Finding("info", spec.name, text, remedy)]
-    probe = Probe(spec.name, spec.settings, devices.folder)
+    robot = spec.name.rpartition(".")[0]
+    others = {
+        other.name.rpartition(".")[2]: OtherDriver(devices.catalogue[other.type], other.settings)
+        for other in devices.drivers
+        if other.name.rpartition(".")[0] == robot and other.at == spec.at and other is not spec
+    }
+    probe = Probe(spec.name, spec.settings, devices.folder, others)
     driver: type[Driver] = devices.catalogue[spec.type]
     findings = bounded(spec.name, lambda: asyncio.run(driver.examine(probe)), DRIVER_S)
     return findings or [Finding("info", spec.name, "this driver has no checks")]

@@ -12,7 +12,7 @@ import enum
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, Literal, Protocol
+from typing import Any, ClassVar, Literal, NamedTuple, Protocol
 
 import msgspec
 
@@ -434,6 +434,23 @@ class Probe:
     settings: Any
     folder: Path = field(default_factory=Path)
 
+    #: Drivers of the same robot at this computer, by the names by which settings call them.
+    others: Mapping[str, OtherDriver] = field(default_factory=dict)
+
+
+class OtherDriver(NamedTuple):
+    """What a driver's examination may use of another driver: its class and its settings."""
+
+    kind: type[Driver]
+    settings: Any
+
+
+class HeardSound(NamedTuple):
+    """Some live sound: frames a second, and samples (S16_LE, one channel)."""
+
+    rate: int
+    pcm: bytes
+
 
 @dataclass(frozen=True, slots=True)
 class StopReport:
@@ -607,6 +624,13 @@ class Driver(Performer):
     async def examine(cls, probe: Probe) -> list[Finding]:
         """`woz doctor`: look at the hardware without moving it. Never raises."""
         return []
+
+    @classmethod
+    async def hear(cls, probe: Probe, seconds: float) -> HeardSound | None:
+        """`woz doctor`: so much of its live sound, without moving it, for a microphone that takes
+        it. None: that can be had in a session alone. Raises `DriverError`.
+        """
+        return None
 
     # -- what happens in a session -----------------------------------------------------------------
 

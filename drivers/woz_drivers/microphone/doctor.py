@@ -7,6 +7,7 @@ import asyncio
 import numpy as np
 
 from woz_drivers.microphone import arecord_words
+from woz_drivers.microphone.robot_ears import at_rate
 from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
 from woz_drivers.programs import child_process, command_lines
@@ -29,12 +30,14 @@ async def examine(probe: Probe) -> list[Finding]:
     """The level of one second, or why there is none and which devices there are. Never raises."""
     settings: MicrophoneSettings = probe.settings
     try:
-        words = settings.words
-        block = await _record(settings, words, probe)
+        if settings.from_:
+            sound = await _sound_of(settings.from_, probe)
+        else:
+            sound = await _record(settings, settings.words, probe)
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
     return [
-        _level(probe.name, settings, block),
+        _level(probe.name, settings, sound) if sound else _unheard(probe.name, settings),
         *_transcriber(probe, settings),
         *await _resident(probe, settings),
     ]
@@ -68,6 +71,21 @@ async def _resident(probe: Probe, settings: MicrophoneSettings) -> list[Finding]
         still = f"{text}, which is still loading after {_LOAD_PATIENCE_S:g} s"
         return [Finding("warning", probe.name, still, "what is said before it has loaded waits")]
     return [Finding("ok", probe.name, f"{text}, loaded in {seconds:.1f} s")]
+
+
+async def _sound_of(driver: str, probe: Probe) -> bytes:
+    """Of another driver of the same robot; empty: a session alone has it. Raises `DriverError`."""
+    other = probe.others.get(driver)
+    if other is None:
+        return b""
+    heard = await other.kind.hear(
+        Probe(driver, other.settings, probe.folder, probe.others), _LISTEN_S
+    )
+    return b"" if heard is None else at_rate(heard.pcm, heard.rate, probe.settings.rate)
+
+
+def _unheard(subject: str, settings: MicrophoneSettings) -> Finding:
+    return Finding("info", subject, f"the sound of {settings.from_} comes in a session alone")
 
 
 async def _record(settings: MicrophoneSettings, words: tuple[str, ...], probe: Probe) -> bytes:
@@ -122,7 +140,7 @@ def _level(subject: str, settings: MicrophoneSettings, data: bytes) -> Finding:
     peak = float(np.abs(samples).max(initial=0.0))
     offset = float(samples.mean())
     text = (
-        f"{settings.words[0]}: RMS {level:.4f} ({pcm_audio.decibels(level):.0f} dB),"
+        f"{settings.source}: RMS {level:.4f} ({pcm_audio.decibels(level):.0f} dB),"
         f" peak {peak:.2f}, threshold {settings.threshold:.4f}"
     )
     if abs(offset) >= _OFFSET:
@@ -132,9 +150,9 @@ def _level(subject: str, settings: MicrophoneSettings, data: bytes) -> Finding:
             "error", subject, f"{text}: only zeros", "switch the microphone on, or choose another"
         )
     if peak >= pcm_audio.CLIPPED:
-        return Finding("warning", subject, f"{text}: clipping", "turn the gain down: alsamixer")
+        return Finding("warning", subject, f"{text}: clipping", _gain(settings, "down"))
     if pcm_audio.decibels(level) < _VERY_QUIET_DB:
-        return Finding("warning", subject, f"{text}: very quiet", "turn the gain up: alsamixer")
+        return Finding("warning", subject, f"{text}: very quiet", _gain(settings, "up"))
     if _is_speech(settings, samples):
         return Finding(
             "warning",
@@ -143,6 +161,10 @@ def _level(subject: str, settings: MicrophoneSettings, data: bytes) -> Finding:
             "if nobody spoke, play listen_room or raise threshold",
         )
     return Finding("ok", subject, text)
+
+
+def _gain(settings: MicrophoneSettings, way: str) -> str:
+    return "" if settings.from_ else f"turn the gain {way}: alsamixer"
 
 
 def _is_speech(settings: MicrophoneSettings, samples: pcm_audio.Samples) -> bool:

@@ -14,12 +14,21 @@ from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.address import Address, parse
 from woz_drivers.naoqi_robot.connection import simulated_naoqi
 from woz_drivers.naoqi_robot.line import ESSENTIAL
-from woz_drivers.naoqi_robot.link import LinkError, NaoqiLink, ServiceMissingError, open_link
+from woz_drivers.naoqi_robot.link import (
+    LinkError,
+    Methods,
+    NaoqiLink,
+    ServiceMissingError,
+    Unsubscribe,
+    open_link,
+)
+from woz_drivers.naoqi_robot.microphones import heard
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
-from woz_tui.drivers.contract import DriverError, Finding, Probe
+from woz_tui.drivers.contract import DriverError, Finding, HeardSound, Probe
 
 #: Seconds for each question; a robot that is slow shows as slow, not as gone.
 _WITHIN_S = 3.0
+_LISTENS = "restart it; `record_sound` records on the robot itself"
 #: Charge below which an experiment of an hour may end early, in percent.
 _LOW = 30
 #: Room for a session's pictures and sounds, in bytes.
@@ -65,6 +74,44 @@ async def _robot(path: str, text: str, probe: Probe, own: Sequence[RobotCheck]) 
     finally:
         await link.close()
         await simulated.close()
+
+
+async def hear(probe: Probe, seconds: float) -> HeardSound | None:
+    """Of the robot that a session would begin with. Raises `DriverError`."""
+    settings: NaoqiSettings = probe.settings
+    text = next(iter(settings.addresses.values()), "")
+    if not text:
+        return None
+    address = parse(text)
+    simulated = simulated_naoqi(settings, probe.folder)
+    try:
+        real = parse(await simulated.address()) if address.simulated else address
+        link = await open_link(real, settings)
+        try:
+            return await heard(_Calls(link), seconds)
+        finally:
+            await link.close()
+    finally:
+        await simulated.close()
+
+
+@dataclass(frozen=True, slots=True)
+class _Calls:
+    """A link's calls, whose errors are a driver's."""
+
+    link: NaoqiLink
+
+    async def call(self, service: str, method: str, *args: Any, within: float = _WITHIN_S) -> Any:
+        try:
+            return await self.link.call(service, method, *args, within=within)
+        except LinkError as error:
+            raise DriverError(f"{service}.{method}: {error}", _LISTENS) from None
+
+    async def serve(self, name: str, methods: Methods) -> Unsubscribe:
+        try:
+            return await self.link.serve(name, methods)
+        except LinkError as error:
+            raise DriverError(f"it takes no sound service: {error}", _LISTENS) from None
 
 
 async def _visit(

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
-from woz_drivers.naoqi_robot import address, tags, text_remarks
+from woz_drivers.naoqi_robot import address, doctor, tags, text_remarks
 from woz_drivers.naoqi_robot.autonomy import AutonomyPart
 from woz_drivers.naoqi_robot.base import BasePart
 from woz_drivers.naoqi_robot.body import BodyPart
@@ -28,8 +28,10 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     Finding,
+    HeardSound,
     Job,
     Offer,
+    Probe,
     RejectedError,
     Scope,
     StopReport,
@@ -122,6 +124,11 @@ class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
     def remarks(cls, settings: NaoqiSettings, written: Written) -> Iterable[Finding]:
         """What is odd about a command of an experiment file."""
         return text_remarks.remarks(settings, written, cls.CHECKS)
+
+    @classmethod
+    async def hear(cls, probe: Probe, seconds: float) -> HeardSound | None:
+        """Its front microphone."""
+        return await doctor.hear(probe, seconds)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out a verb by its part; what was asked for is compared with the robot from now on.

@@ -8,9 +8,9 @@ import secrets
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
-from typing import Any
+from typing import Any, Protocol
 
-from woz_drivers.naoqi_robot.link import RobotRefusedError, Unsubscribe, binary
+from woz_drivers.naoqi_robot.link import Methods, RobotRefusedError, Unsubscribe, binary
 from woz_drivers.naoqi_robot.memory import stamped, within
 from woz_drivers.naoqi_robot.parts import WITHIN_S, NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
@@ -21,6 +21,7 @@ from woz_tui.drivers.contract import (
     Argument,
     DriverContext,
     DriverError,
+    HeardSound,
     Job,
     Offer,
     RejectedError,
@@ -155,7 +156,7 @@ class MicrophonesPart(NaoqiPart):
     def _take_live(self, channels: Any, samples: Any, stamp_: Any, buffer: Any) -> None:
         received = block(channels, samples, stamp_, buffer)
         if isinstance(received, SoundBlock) and self._offer.wanted:
-            self._offer.add(memoryview(received.data).cast("h")[:: received.channels].tobytes())
+            self._offer.add(front(received))
 
     async def _end_live(self) -> None:
         live, self._live = self._live, None
@@ -242,16 +243,28 @@ _FRONT, _NOT_DEINTERLEAVED = 3, 0
 _COMES_WITHIN_S = 3.0
 
 
+class SoundCalls(Protocol):
+    """The part of `RobotCalls` by which sound comes."""
+
+    async def call(self, service: str, method: str, *args: Any, within: float = WITHIN_S) -> Any:
+        """Call a method of a service of the robot."""
+        ...
+
+    async def serve(self, name: str, methods: Methods) -> Unsubscribe:
+        """Offer the robot a service of ours."""
+        ...
+
+
 class SoundSubscription:
     """The front microphone's sound, sent to a service of ours.
 
     Args:
-        robot: Whose.
+        robot: Its calls `call` and `serve`.
         rate: Frames a second.
         take: Called with each buffer, as `processRemote` is.
     """
 
-    def __init__(self, robot: RobotCalls, rate: int, take: Callable[..., None]) -> None:
+    def __init__(self, robot: SoundCalls, rate: int, take: Callable[..., None]) -> None:
         self._link = robot
         self._rate = rate
         self._take = take
@@ -276,6 +289,29 @@ class SoundSubscription:
         withdraw, self._withdraw = self._withdraw, None
         if withdraw is not None:
             await withdraw()
+
+
+async def heard(robot: SoundCalls, seconds: float) -> HeardSound:
+    """So much sound of the front microphone. Raises `DriverError`."""
+    sound, enough = bytearray(), asyncio.Event()
+
+    def take(channels: Any, samples: Any, stamp_: Any, buffer: Any) -> None:
+        received = block(channels, samples, stamp_, buffer)
+        if isinstance(received, SoundBlock):
+            sound.extend(front(received))
+        if len(sound) >= _WIDTH * LIVE_HZ * seconds:
+            enough.set()
+
+    subscription = SoundSubscription(robot, LIVE_HZ, take)
+    try:
+        await subscription.begin()
+        async with asyncio.timeout(_COMES_WITHIN_S + seconds):
+            await enough.wait()
+    except TimeoutError:
+        raise DriverError(f"no sound came within {_COMES_WITHIN_S:g} s") from None
+    finally:
+        await subscription.end()
+    return HeardSound(LIVE_HZ, bytes(sound))
 
 
 class SoundRecording:
@@ -397,6 +433,11 @@ class SoundBlock:
     samples: int
     data: bytes
     robot_s: float | None
+
+
+def front(received: SoundBlock) -> bytes:
+    """Its first channel."""
+    return memoryview(received.data).cast("h")[:: received.channels].tobytes()
 
 
 def block(channels: Any, samples: Any, stamp: Any, buffer: Any) -> SoundBlock | str:

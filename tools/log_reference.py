@@ -200,7 +200,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "since": ("µs", "moment, on the `t` axis, at which the state was entered"),
     "host": ("", "the computer from which it comes"),
     "offset_us": ("µs", "what to add to a stamp of the stream to have one of this computer"),
-    "own": ("", "whether it is one of the session's own streams"),
+    "outgoing": ("", "whether it is one of those as which the session is sent"),
     "prefix": ("", "with what the names of the session's streams begin"),
     "sensors": ("", "names of the sensors that are sent"),
     "shares": ("", "what else of the log is sent: texts, conditions, codes"),

@@ -30,7 +30,7 @@ MESSAGES = (
     LslFound(stream="eyes", type="Markers", source_id="tobii-12", uid="1", host="tracker"),
     LslClock(stream="eyes", offset_us=-1204.5, uncertainty_us=310.0, too_fast=3),
     LslLost(stream="eyes", why="its program has ended, or its computer is not reached"),
-    LslLost(stream="woz-markers", why="woz lsl has ended", own=True),
+    LslLost(stream="woz-markers", why="woz lsl has ended", outgoing=True),
 )
 REQUESTS = (
     AskLslBegin(ref=41),

@@ -92,7 +92,7 @@ async def test_streams_are_lost_with_their_program(tmp_path: Path) -> None:
         assert (await peer.ask("lsl.tell", told=found))["ok"]
         peer.leave()
         await rig.until(lambda: len(rig.of(LslLost)) == 2)
-        assert [(each.stream, each.own) for each in rig.of(LslLost)] == [
+        assert [(each.stream, each.outgoing) for each in rig.of(LslLost)] == [
             *(("woz-markers", True), ("eyes", False))
         ]
         await program(rig)

@@ -62,7 +62,7 @@ class TabletDriver(ScriptedDriver):
 async def test_the_robots_tablet_shows_the_participants_page(tmp_path: Path) -> None:
     made = experiment(tmp_path)
     drivers = (replace(made.drivers[0], offer=TabletDriver.offer(None)),)
-    made = replace(made, drivers=drivers, panels=(), script=())
+    made = replace(made, drivers=drivers, panels=())
     async with served_session(tmp_path, made=made, catalogue={"puppet": TabletDriver}) as host:
         process = await asyncio.create_subprocess_exec(
             *(sys.executable, "-m", "woz_tui", "page", str(host.path)),

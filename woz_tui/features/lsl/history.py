@@ -25,7 +25,7 @@ class LslHistory(FeatureHistory):
         self.adopted = message
         taken = {each.stream for each in message.takes}
         self.found = {name: line for name, line in self.found.items() if name in taken}
-        self.lost = {n: line for n, line in self.lost.items() if line.own or n in taken}
+        self.lost = {n: line for n, line in self.lost.items() if line.outgoing or n in taken}
 
     def _send(self, message: LslStream, state: SessionState) -> Iterable[Episode]:
         keep_latest(self.sent, message.stream, message)
@@ -39,7 +39,7 @@ class LslHistory(FeatureHistory):
 
     def _lose(self, message: LslLost, state: SessionState) -> Iterable[Episode]:
         keep_latest(self.lost, message.stream, message)
-        (self.sent if message.own else self.found).pop(message.stream, None)
+        (self.sent if message.outgoing else self.found).pop(message.stream, None)
         return moment(message, state.t)
 
     def _clock(self, message: LslClock, state: SessionState) -> None:

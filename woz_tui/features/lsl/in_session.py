@@ -95,8 +95,8 @@ class LslInSession(SessionFeature):
         self._console = ""
         history = self.session.state.history(LslHistory)
         there = [(name, True) for name in history.sent] + [(name, False) for name in history.found]
-        for stream, own in there:
-            self.session.hub.publish(LslLost(stream=stream, why="woz lsl has ended", own=own))
+        for stream, sent in there:
+            self.session.hub.publish(LslLost(stream=stream, why="woz lsl has ended", outgoing=sent))
 
     def findings(self) -> list[Finding]:
         """Whether somebody records, and which streams are there."""

@@ -58,13 +58,13 @@ class LslFound(Message, frozen=True, kw_only=True, tag="lsl.found"):
 
 
 class LslLost(Message, frozen=True, kw_only=True, tag="lsl.lost"):
-    """A stream is gone, one that the session takes or (`own`) one of those as which it is sent;
-    `why` says so in words.
+    """A stream is gone, one that the session takes or (`outgoing`) one of those as which it is
+    sent; `why` says so in words.
     """
 
     stream: str
     why: str = ""
-    own: bool = False
+    outgoing: bool = False
 
 
 class LslClock(Message, frozen=True, kw_only=True, tag="lsl.clock"):

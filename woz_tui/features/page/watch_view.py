@@ -21,8 +21,7 @@ from woz_tui.console.widgets.event_list import event_row, listed_events
 from woz_tui.console.widgets.meters import figure
 from woz_tui.console.widgets.status_rows import present_row, trial_text
 from woz_tui.protocol.panel_players import part_names
-from woz_tui.sensing.proxemics import zone
-from woz_tui.sensing.sample_values import FLAGS
+from woz_tui.sensing.sample_values import FLAGS, zone
 from woz_tui.session.redactor import HIDDEN, perceived_kind
 from woz_tui.system.text_cleaning import elapsed
 

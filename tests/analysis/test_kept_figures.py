@@ -17,10 +17,10 @@ from woz_tui.analysis import kept_figures
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.kept_figures import (
-    KeptFigures,
     figures_folder,
     forget_all,
     forget_lost,
+    kept_report,
 )
 from woz_tui.analysis.session_reading import NoSessionError, read_report
 
@@ -40,8 +40,7 @@ def logs(tmp_path: Path) -> list[Path]:
 
 
 def figures(log: Path, options: FigureOptions | None = None) -> SessionFigures:
-    kept = KeptFigures(options) if options else KeptFigures()
-    return kept.report(log).figures
+    return (kept_report(log, options) if options else kept_report(log)).figures
 
 
 def state(folder: Path) -> dict[str, tuple[int, int]]:

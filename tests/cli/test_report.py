@@ -272,6 +272,41 @@ def test_sessions_can_be_beside_the_page(here: Path, capsys: pytest.CaptureFixtu
     assert {path.stem for path in (here / "page.sessions").iterdir()} == logs
 
 
+def test_pages_that_stand_there_are_not_written_again(
+    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(here / "cache"))
+    first, *_ = study(here / "logs")
+    hidden = first.rename(here / first.name)
+
+    def report(*more: str) -> str:
+        written = ("--html", "page.html", "--sessions", "beside")
+        assert run_report(capsys, "report", "logs", *written, *more)[0] == 0
+        return (here / "page.html").read_text(encoding="utf-8")
+
+    def pages() -> dict[str, int]:
+        return {path.name: path.stat().st_mtime_ns for path in (here / "page.sessions").iterdir()}
+
+    report()
+    before = pages()
+    hidden.rename(first)
+    with_new = report()
+    after = pages()
+    assert len(after) == 4
+    assert {name: after[name] for name in before} == before
+    assert report("--anew") == with_new
+    assert after.items().isdisjoint(pages().items())
+    # A page that somebody changed, or whose log changed, is written again.
+    changed, other, *_ = sorted((here / "page.sessions").iterdir())
+    right = changed.read_bytes()
+    changed.write_bytes(right.replace(b"P01", b"P02"))
+    log = here / "logs" / f"{other.stem}.jsonl"
+    log.write_bytes(log.read_bytes().replace(b'"W2"', b'"W7"'))
+    report()
+    assert changed.read_bytes() == right
+    assert "W7" in other.read_text(encoding="utf-8")
+
+
 def test_json_has_each_session_on_a_line(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study(here / "logs")
     _, out, _ = run_report(capsys, "report", "logs", "--json")

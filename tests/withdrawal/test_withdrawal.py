@@ -22,7 +22,7 @@ from tests.analysis.example_sessions import ExampleSession
 from tests.export.logs import Timed, start, write
 from tests.log.recorder_rig import recorder_rig
 from tests.session.rig import SessionRig
-from woz_tui.analysis.kept_figures import KeptFigures, figures_folder
+from woz_tui.analysis.kept_figures import figures_folder, kept_report
 from woz_tui.analysis.session_reading import NO_EXTRAS, read_report
 from woz_tui.cli import main
 from woz_tui.drivers.face_store import FaceStore, default_path
@@ -167,7 +167,7 @@ def test_a_session_of_one_person_goes_with_all_beside_it(
 def test_figures_that_were_kept_go(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(folder.parent / "cache"))
     log = two_people(folder)
-    KeptFigures().report(log)
+    kept_report(log)
     assert len(list(figures_folder().iterdir())) == 1
     assert taken_out(folder) == 0
     assert list(figures_folder().iterdir()) == []

@@ -12,13 +12,13 @@ import hashlib
 import io
 import pickle
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import is_dataclass
+from dataclasses import dataclass, is_dataclass
 from enum import Enum
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 
@@ -33,6 +33,7 @@ from woz_tui.log.log_files import LogFiles, files_of
 from woz_tui.system.files import open_regular, replace
 from woz_tui.system.user_folders import cache_folder
 
+T = TypeVar("T")
 _SUFFIX = ".figures"
 #: Bytes of a log that are summed up at once.
 _PIECE = 1 << 20
@@ -60,64 +61,80 @@ class _Kept(msgspec.Struct):
     sum: str
 
 
-class KeptFigures:
-    """Figures that are counted in one way, `options`."""
+@dataclass(frozen=True, slots=True)
+class KeptPlace:
+    """Where something is kept that was made of a log, and the sum of all that it was made of."""
 
-    def __init__(self, options: FigureOptions = DEFAULTS) -> None:
-        self._options = options
-        self._folder = figures_folder()
+    file: Path
+    log: str
+    read: str
 
-    def report(self, path: Path) -> SessionReport:
-        """As `read_report` without extras; raises the same."""
-        files = files_of(path, samples=False)
+    def load(self, kind: type[T]) -> T | None:
+        """What is kept; None: nothing is, or it is not of what was summed up."""
         try:
-            read = self._sum(path, files)
-        except OSError:
-            return read_report(path, self._options)
-        way = repr((str(path.absolute()), self._options)).encode()
-        kept = self._folder / f"{hashlib.sha256(way).hexdigest()[:32]}{_SUFFIX}"
-        figures = _loaded(kept, read)
-        if figures is None:
-            figures = read_report(path, self._options).figures
-            if not left_out():  # else they lack what a feature counts
-                _keep(kept, str(path.absolute()), read, figures)
-        return SessionReport(figures)
-
-    def _sum(self, path: Path, files: LogFiles) -> str:
-        """Of everything that the figures come from. Raises `OSError`."""
-        found = hashlib.sha256(_program())
-        names = [str(each) for each in (path, *files.paths, *files.missing)]
-        found.update(repr((self._options, files.spill, names)).encode())
-        for each in files.paths:
-            with open_regular(each) as file:
-                size = 0
-                while piece := file.read(_PIECE):
-                    size += len(piece)
-                    found.update(piece)
-            found.update(f"\n{size}\n".encode())
-        return found.hexdigest()
-
-
-def _keep(kept: Path, log: str, read: str, figures: SessionFigures) -> None:
-    """Write the file; what cannot be written is read again the next time."""
-    with suppress(OSError, pickle.PicklingError, AttributeError, TypeError):
-        data = pickle.dumps(figures, pickle.HIGHEST_PROTOCOL)
-        found = _Kept(log, read, data, hashlib.sha256(data).hexdigest())
-        kept.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        replace(kept, msgspec.json.encode(found).decode(), mode=0o600, durable=False)
-
-
-def _loaded(kept: Path, read: str) -> SessionFigures | None:
-    """None: there are none, or they are not of what was summed up."""
-    try:
-        with open_regular(kept) as file:
-            found = msgspec.json.decode(file.read(), type=_Kept)
-        if found.read != read or hashlib.sha256(found.figures).hexdigest() != found.sum:
+            with open_regular(self.file) as file:
+                found = msgspec.json.decode(file.read(), type=_Kept)
+            if found.read != self.read or hashlib.sha256(found.figures).hexdigest() != found.sum:
+                return None
+            figures = _FiguresUnpickler(io.BytesIO(found.figures)).load()
+        except Exception:  # noqa: BLE001 - whatever is wrong with it, the log is read
             return None
-        figures = _FiguresUnpickler(io.BytesIO(found.figures)).load()
-    except Exception:  # noqa: BLE001 - whatever is wrong with it, the log is read
+        return figures if isinstance(figures, kind) else None
+
+    def keep(self, value: object) -> None:
+        """Write the file; what cannot be written is made again the next time."""
+        if left_out():  # it lacks what a feature counts
+            return
+        with suppress(OSError, pickle.PicklingError, AttributeError, TypeError):
+            data = pickle.dumps(value, pickle.HIGHEST_PROTOCOL)
+            found = _Kept(self.log, self.read, data, hashlib.sha256(data).hexdigest())
+            self.file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            replace(self.file, msgspec.json.encode(found).decode(), mode=0o600, durable=False)
+
+
+def kept_place(
+    path: Path, options: FigureOptions, *, samples: bool = False, what: str = ""
+) -> KeptPlace | None:
+    """Where that is kept which was made of a log (with its `samples`) in one way; None: nowhere.
+    `what` tells it from other things that are made of it.
+
+    Raises:
+        FileNotFoundError: There is no such log.
+        ValueError: It is not called like one.
+    """
+    files = files_of(path, samples=samples)
+    log = str(path.absolute())
+    way = hashlib.sha256(repr((log, options, what)).encode()).hexdigest()[:32]
+    try:
+        return KeptPlace(figures_folder() / f"{way}{_SUFFIX}", log, _sum(files, (way, str(path))))
+    except (OSError, RuntimeError):
         return None
-    return figures if isinstance(figures, SessionFigures) else None
+
+
+def _sum(files: LogFiles, about: Sequence[str]) -> str:
+    """Of everything that figures come from. Raises `OSError`."""
+    found = hashlib.sha256(_program())
+    names = [*about, files.spill, *map(str, (*files.paths, *files.missing))]
+    found.update(repr(names).encode())
+    for each in files.paths:
+        with open_regular(each) as file:
+            size = 0
+            while piece := file.read(_PIECE):
+                size += len(piece)
+                found.update(piece)
+        found.update(f"\n{size}\n".encode())
+    return found.hexdigest()
+
+
+def kept_report(path: Path, options: FigureOptions = DEFAULTS) -> SessionReport:
+    """As `read_report` without extras, and raises the same; from what was kept where it can."""
+    place = kept_place(path, options)
+    figures = place.load(SessionFigures) if place is not None else None
+    if figures is None:
+        figures = read_report(path, options).figures
+        if place is not None:
+            place.keep(figures)
+    return SessionReport(figures)
 
 
 class _FiguresUnpickler(pickle.Unpickler):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, ExitStack, suppress
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from woz_tui.analysis.figure_counting import FigureOptions
     from woz_tui.analysis.figures import SessionFigures
     from woz_tui.analysis.html.report_page import ReportPage
+    from woz_tui.analysis.html.session_pages import SessionPages
     from woz_tui.analysis.participant_groups import GroupedSessions
     from woz_tui.analysis.session_reading import ReportExtras, SessionReport
 
@@ -117,13 +118,15 @@ def _report(arguments: argparse.Namespace) -> int:
         return 1
     reading = SessionReader(arguments)
     grouped = GroupedSessions()
+    extras = _extras(arguments, len(reading.paths))
+    pages = _pages(arguments, len(reading.paths), extras) if arguments.html else None
     alone: SessionReport | None = None
     try:
         with ExitStack() as opened:
             files: TableFiles | None = None
             page: ReportPage | None = None
             output = JsonOutput() if arguments.json else None
-            for report in reading.reports(_extras(arguments, len(reading.paths))):
+            for report in reading.reports(extras, pages):
                 grouped.add(report.figures)
                 # Files are opened late: of no session, older ones are not emptied.
                 if arguments.csv:
@@ -134,7 +137,11 @@ def _report(arguments: argparse.Namespace) -> int:
                 if output:
                     output.add(report.figures)
                 if arguments.html:
-                    page = page or opened.enter_context(_page(arguments, grouped, reading))
+                    from woz_tui.analysis.html.report_page import writing  # noqa: PLC0415
+
+                    page = page or opened.enter_context(
+                        writing(arguments.html, grouped, len(reading.paths), pages)
+                    )
                     page.add(report)
                 if len(reading.paths) == 1:
                     alone = report
@@ -153,13 +160,17 @@ def _report(arguments: argparse.Namespace) -> int:
     return reading.print_problems("woz report")
 
 
-def _page(
-    arguments: argparse.Namespace, grouped: GroupedSessions, reading: SessionReader
-) -> AbstractContextManager[ReportPage]:
-    from woz_tui.analysis.html.report_page import writing  # noqa: PLC0415
+def _pages(
+    arguments: argparse.Namespace, sessions: int, extras: ReportExtras
+) -> SessionPages | None:
+    """Where sessions have pages of their own; None: they are on the page."""
+    from woz_tui.analysis.html.report_page import is_beside  # noqa: PLC0415
+    from woz_tui.analysis.html.session_pages import SessionPages  # noqa: PLC0415
 
-    beside = {"beside": True, "inside": False}.get(arguments.sessions)
-    return writing(arguments.html, grouped, len(reading.paths), beside=beside)
+    asked = {"beside": True, "inside": False}.get(arguments.sessions)
+    if not is_beside(sessions, asked):
+        return None
+    return SessionPages(arguments.html, options_of(arguments), extras)
 
 
 def _print_written(arguments: argparse.Namespace, *, nothing: bool) -> None:
@@ -178,9 +189,15 @@ class SessionReader:
         self._arguments = arguments
         self.paths, self.problems = sessions_in(arguments.logs)
 
-    def reports(self, extras: ReportExtras) -> Iterator[SessionReport]:
-        """Reads one session after the other; only one is in memory at a time."""
+    def reports(
+        self, extras: ReportExtras, pages: SessionPages | None = None
+    ) -> Iterator[SessionReport]:
+        """Reads one session after the other; only one is in memory at a time. `pages`: those that
+        stand there already need not be read.
+        """
         read = self._way_of_reading(extras)
+        if pages is not None:
+            read = pages.report
         with progress() as show:
             for number, path in enumerate(self.paths, 1):
                 show(f"Reading session {number} of {len(self.paths)}: {path.name}")
@@ -194,14 +211,13 @@ class SessionReader:
 
     def _way_of_reading(self, extras: ReportExtras) -> Callable[[Path], SessionReport]:
         """Of many sessions the figures may be those that were kept when they were read before."""
-        from woz_tui.analysis.kept_figures import KeptFigures, forget_all, forget_lost  # noqa: PLC0415
+        from woz_tui.analysis.kept_figures import forget_all, forget_lost, kept_report  # noqa: PLC0415
         from woz_tui.analysis.session_reading import NO_EXTRAS, read_report  # noqa: PLC0415
 
         options = options_of(self._arguments)
         (forget_all if self._arguments.anew else forget_lost)()
         if extras == NO_EXTRAS and len(self.paths) > 1:
-            with suppress(RuntimeError):  # no home, nothing kept
-                return KeptFigures(options).report
+            return partial(kept_report, options=options)
         return partial(read_report, options=options, extras=extras)
 
     def print_problems(self, command: str) -> int:

@@ -13,7 +13,7 @@ from selenium.webdriver.common.keys import Keys
 
 from tests.analysis.html.browser import Page
 from tests.analysis.html.sessions import HOSTILE, ordinary
-from woz_tui.analysis.html import report_page as page_module
+from woz_tui.analysis.html import page_frame
 from woz_tui.analysis.html.report_page import write
 from woz_tui.analysis.session_reading import ReportExtras, read_report
 
@@ -140,7 +140,7 @@ def test_it_can_be_read_without_javascript(page: Page, single: Path) -> None:
 def test_without_javascript_long_lists_say_what_they_leave_out(
     page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(page_module, "EVENTS", 10)
+    monkeypatch.setattr(page_frame, "EVENTS", 10)
     write([ordinary().report(tmp_path)], tmp_path / "report.html")
     with without_script(page):
         page.driver.get((tmp_path / "report.html").as_uri())

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from woz_tui.analysis.html.markup import Markup, short, tag
+from woz_tui.analysis.html.session_section import SessionEntry
 from woz_tui.analysis.html.timeline_items import TimelineRow
 from woz_tui.analysis.html.timeline_picture import PictureScale
 from woz_tui.analysis.timeline_lanes import LANES
@@ -29,6 +30,11 @@ class Course:
 
     duration_us: int
     bands: Sequence[Mapping[str, array[int]]]
+
+    @classmethod
+    def of_entry(cls, entry: SessionEntry) -> Course:
+        """The course of a session on a page."""
+        return cls.of(entry.lanes, entry.timeline.duration_us)
 
     @classmethod
     def of(cls, lanes: Sequence[TimelineRow], duration_us: int) -> Course:

@@ -59,13 +59,18 @@ class SessionEntry:
     @property
     def title(self) -> str:
         """Participant, condition, session."""
-        parts = (self.figures.participant, self.figures.condition, self.figures.session)
-        return " · ".join(part for part in parts if part) or self.figures.stem
+        return title_of(self.figures)
 
     @property
     def events(self) -> int:
         """How many items its timeline has."""
         return sum(len(row.items) for row in self.lanes)
+
+
+def title_of(figures: SessionFigures) -> str:
+    """Participant, condition, session."""
+    parts = (figures.participant, figures.condition, figures.session)
+    return " · ".join(part for part in parts if part) or figures.stem
 
 
 def section(entry: SessionEntry, *, every_event: bool) -> Markup:

@@ -12,7 +12,7 @@ from woz_tui.analysis.html.course_strips import Course, ruler
 from woz_tui.analysis.html.figure_definitions import defined, table, wide
 from woz_tui.analysis.html.markup import Child, Markup, isolated, joined, tag
 from woz_tui.analysis.html.outcome_section import outcome_figures
-from woz_tui.analysis.html.session_section import SessionEntry
+from woz_tui.analysis.html.session_section import title_of
 from woz_tui.analysis.measures import BY_NAME
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.participants import participant_text
@@ -22,7 +22,7 @@ from woz_tui.analysis.report_tables import (
     figure_text,
     item_tables,
 )
-from woz_tui.analysis.text_format import NONE
+from woz_tui.analysis.text_format import NONE, counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,12 +47,12 @@ class SessionCard:
     course: Course
 
     @classmethod
-    def of(cls, entry: SessionEntry, address: str) -> SessionCard:
+    def of(cls, figures: SessionFigures, course: Course, address: str) -> SessionCard:
         """The card of a session that is found at `address`."""
-        figures = entry.figures
+        title = title_of(figures)
         return cls(
-            title=entry.title,
-            link=_link(entry.title, address),
+            title=title,
+            link=_link(title, address),
             order=(figures.condition, figures.participant),
             damaged=bool(figures.wholeness.sentences),
             rerun=bool(figures.rerun_of),
@@ -60,7 +60,7 @@ class SessionCard:
             rows=joined(
                 tag("tr", list(_cells(figures, part, address))) for part in _parts(figures)
             ),
-            course=Course.of(entry.lanes, entry.timeline.duration_us),
+            course=course,
         )
 
 
@@ -72,7 +72,7 @@ def overview(found: Sequence[SessionCard], grouped: GroupedSessions) -> Markup:
     words = f"{len(damaged)} of {len(found)} logs are incomplete"
     return tag(
         "section",
-        tag("h2", f"{len(found)} sessions", id="overview"),
+        tag("h2", counted(len(found), "session"), id="overview"),
         _links(words, damaged, class_="damage", role="note"),
         _table(played) if played else None,
         list(_totals(grouped)),

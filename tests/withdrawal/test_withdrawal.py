@@ -280,6 +280,8 @@ def test_exports_and_reports_with_the_code_go_and_others_work_is_named(
         assert main(["export", str(folder), "--to", form, "--out", out]) == 0
     assert main(["report", str(folder), "--csv", str(tmp_path / "out" / "tables")]) == 0
     assert main(["report", str(folder), "--html", str(tmp_path / "out" / "r.html")]) == 0
+    beside = str(tmp_path / "out" / "b.html")
+    assert main(["report", str(folder), "--html", beside, "--sessions", "beside"]) == 0
     capsys.readouterr()
     assert main(["report", str(folder), "--json"]) == 0
     (tmp_path / "out" / "r.json").write_text(capsys.readouterr().out)
@@ -294,6 +296,8 @@ def test_exports_and_reports_with_the_code_go_and_others_work_is_named(
     assert "analysis.R" in shown
     assert "study-typed.yaml" in shown
     assert "data.xlsx" in shown
+    assert f"S01.html (report): write it again with woz report --html {beside}" in shown
+    assert [each.name[-8:] for each in (tmp_path / "out/b.sessions").iterdir()] == ["S02.html"]
     analysis.unlink()
     typed.unlink()
     assert is_free_of(tmp_path / "out", "P07")

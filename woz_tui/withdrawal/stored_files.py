@@ -316,7 +316,9 @@ def _sort(
     if exported is not None or (path.name == README and begin.startswith(SIGN.encode())):
         return "export", codes, DELETE, f"export {exported or path.parent} again"
     if b"session report</title>" in begin:
-        return "report", codes, DELETE, f"write it again with woz report --html {path}"
+        beside = path.parent.suffix == ".sessions"  # a page of one session
+        page = path.parent.with_suffix(".html") if beside else path
+        return "report", codes, DELETE, f"write it again with woz report --html {page}"
     if begin.startswith(b'{"sessions"') and _is_report(path):
         return "report", codes, DELETE, "write it again with woz report --json"
     if path.name.endswith(CODINGS):

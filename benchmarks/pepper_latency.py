@@ -40,7 +40,7 @@ from typing import Any
 os.environ["QI_LOG_LEVEL"] = "0"
 
 from benchmarks.figures import Spread, machine, table, verdict
-from woz_tui.cli.host_start import Launch
+from woz_tui.console.link.host_start import Launch
 
 PROGRAMS = Path(__file__).parent / "programs"
 #: Seconds between two calls.

@@ -24,7 +24,7 @@ import msgspec
 from tests.console.scripted_feed import ScriptedFeed
 from tools import EXPERIMENTS, IMAGES
 from tools.screenshots import Shot, shoot
-from woz_tui.cli.host_start import Launch
+from woz_tui.console.link.host_start import Launch
 from woz_tui.protocol.requests import Welcome
 
 #: Seconds from the beginning, and what the wizard asks for then.

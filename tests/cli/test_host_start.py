@@ -19,7 +19,7 @@ from tests.fakes.terminal import ROOT
 from tests.host.rude_driver import installed
 from woz_tui.cli import main
 from woz_tui.cli.console_start import _restart
-from woz_tui.cli.host_start import Launch, LaunchError, host_arguments
+from woz_tui.console.link.host_start import Launch, LaunchError, host_arguments
 from woz_tui.log.withdrawals import Withdrawal, add_withdrawal
 from woz_tui.system import session_sockets
 from woz_tui.system.session_sockets import next_session

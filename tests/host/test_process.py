@@ -23,7 +23,7 @@ from tests.fakes.ports import free_port
 from tests.fakes.terminal import ROOT
 from tests.host.rude_driver import installed
 from tests.network.other_computer import listens
-from woz_tui.cli.host_start import Launch
+from woz_tui.console.link.host_start import Launch
 from woz_tui.log.file_names import current_path, session_code
 from woz_tui.system.session_sockets import answers
 

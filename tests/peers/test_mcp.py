@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.peers.places import place
-from woz_tui.cli.host_start import Launch
+from woz_tui.console.link.host_start import Launch
 
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.peers

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 
 from woz_tui.cli import GC_THRESHOLDS
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess
 from woz_tui.cli.progress import progress
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
+from woz_tui.console.link.host_start import Launch, LaunchError, RobotProcess
 from woz_tui.log.file_names import current_path
 from woz_tui.system.text_cleaning import lasting
 from woz_tui.system.user_folders import is_first_start

@@ -21,13 +21,13 @@ from pathlib import Path
 from woz_tui.cli.console_start import ScreenOptions, run_session, with_terminal
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.experiment_changes import change_lines, error_lines, redactor_of
-from woz_tui.cli.host_start import Launch, LaunchError, RobotProcess, host_arguments
 from woz_tui.cli.shared_options import builtins
 from woz_tui.cli.single_keys import single_keys
 from woz_tui.config.bundled_files import bundled_file
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.keys.console_keys import BuiltinKey
+from woz_tui.console.link.host_start import Launch, LaunchError, RobotProcess, host_arguments
 from woz_tui.drivers.plugins import installed
 from woz_tui.log.file_names import current_path
 from woz_tui.protocol import codec

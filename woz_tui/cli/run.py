@@ -9,7 +9,6 @@ from pathlib import Path
 
 from woz_tui.cli import console_start
 from woz_tui.cli.console_start import run_session
-from woz_tui.cli.host_start import RobotProcess, host_arguments
 from woz_tui.cli.shared_options import (
     add_keymap,
     add_part,
@@ -22,6 +21,7 @@ from woz_tui.cli.shared_options import (
     start_options,
 )
 from woz_tui.cli.wizard_code import wizard_code
+from woz_tui.console.link.host_start import RobotProcess, host_arguments
 
 #: Options of `run` that `host` is given as they are.
 _CODES = ("session", "participant", "condition", "wizard", "seed")

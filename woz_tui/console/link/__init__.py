@@ -1,1 +1,1 @@
-"""The connection to the robot process: messages in, requests out."""
+"""The robot process from here: its start, and the connection: messages in, requests out."""

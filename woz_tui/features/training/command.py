@@ -14,10 +14,10 @@ from woz_tui.cli import console_start
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.console_start import ScreenOptions, run_session
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.host_start import host_arguments
 from woz_tui.cli.shared_options import add_keymap, add_robot, add_theme, builtins
 from woz_tui.cli.wizard_code import remembered_wizard, wizard_code
 from woz_tui.console.drawing.text_console import TextConsole
+from woz_tui.console.link.host_start import host_arguments
 from woz_tui.features.training.score_history import TrainingScore, history, score_of
 from woz_tui.sensing.sample_values import percent
 from woz_tui.session.participant_identity import check_code

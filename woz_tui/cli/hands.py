@@ -16,13 +16,13 @@ from pathlib import Path
 from typing import Any
 
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.hand_client import HandClient
 from woz_tui.cli.session_choice import (
     JoinedSession,
     add_session_choice,
     find_session,
     joined_session,
 )
+from woz_tui.console.hand_client import HandClient
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import DriverError
 from woz_tui.protocol.codec import MAX_LINE

@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.cli.hand_client import UNANSWERED, HandClient
+from woz_tui.console.hand_client import UNANSWERED, HandClient
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r

@@ -18,7 +18,8 @@ import time
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from woz_tui.cli.sound_client import SoundClient, StatusLine, add_sound, with_session
+from woz_tui.cli.sound_session import StatusLine, add_sound, with_session
+from woz_tui.client.sound_client import SoundClient
 from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.requests import AskSound
 

@@ -18,13 +18,8 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import Any
 
-from woz_tui.cli.sound_client import (
-    SoundClient,
-    SoundEndError,
-    StatusLine,
-    add_sound,
-    with_session,
-)
+from woz_tui.cli.sound_session import StatusLine, add_sound, with_session
+from woz_tui.client.sound_client import SoundClient, SoundEndError
 from woz_tui.protocol.requests import AskTalk, Reply
 
 #: What is sent at once, and the most that waits, in seconds.

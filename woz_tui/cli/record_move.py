@@ -6,36 +6,43 @@ a layer with `--inputs LOG --from SECONDS`.
 
 from __future__ import annotations
 
+import contextlib
+import os
+import select
+import shutil
 import sys
+import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
-from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from woz_tui.cli import argument_types
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.input_lines import input_lines
-from woz_tui.cli.keyboard_take import KeyboardTake, keyboard
-from woz_tui.config.problems import hint
+from woz_tui.cli.safe_streams import raw_stream
+from woz_tui.cli.single_keys import single_keys
 from woz_tui.drivers import plugins
-from woz_tui.drivers.contract import Driver, RejectedError
+from woz_tui.drivers.contract import Driver
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.input_script import InputLineError, read_inputs
+from woz_tui.motion.keyboard_take import GIVE_UP, KeyboardTake, Keys, split_keys
 from woz_tui.motion.keyframes import KeyframeMove
-from woz_tui.motion.move_files import NAME, NAME_RULE, MoveFileError, read_move
+from woz_tui.motion.move_files import MoveFileError
+from woz_tui.motion.move_recording import (
+    LONGEST_S,
+    RecordError,
+    move_to_record,
+    perform_script,
+    recorded_move,
+    with_layer_changes,
+)
 from woz_tui.motion.move_writer import WriteError, save
-from woz_tui.motion.puppeteer import Puppeteer, with_muted, with_share, without_layer
+from woz_tui.motion.puppeteer import Puppeteer
 from woz_tui.motion.render_target import RenderError, RenderTarget
-from woz_tui.motion.rendering import Input, apply_input, refusal
+from woz_tui.system.text_cleaning import clean
 
-#: Seconds a script's take goes on after the last input.
-AFTER_S = 1.0
-#: No take is longer; `play` would not wait for its end.
-LONGEST_S = 120.0
-
-
-class RecordError(Exception):
-    """It cannot be recorded; the text says why, and what could be done."""
+#: An escape is one only if nothing follows it for so long, in seconds.
+SEQUENCE_S = 0.05
 
 
 def add(parser: ArgumentParser) -> None:
@@ -99,59 +106,38 @@ def record(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     """`run` with the drivers of `catalogue`."""
     stage = RenderTarget.of(arguments.robot, catalogue, arguments.body, None)
     shape: BodyShape = stage.spec.settings
-    move = _changed(_move(arguments, shape), arguments)
+    move = with_layer_changes(
+        _move(arguments, shape),
+        mute=arguments.mute,
+        unmute=arguments.unmute,
+        share=arguments.share,
+        drop=arguments.drop,
+    )
     if arguments.no_take:
         if not move.layers:
             raise RecordError("the move would have no layer left; delete its file instead")
         save(move, arguments.file, shape)
         print(_summary(move, arguments.file))
         return 0
-    done = _scripted(arguments, stage, move) if arguments.inputs else _live(arguments, shape, move)
+    if arguments.inputs:
+        puppeteer = _scripted(arguments, stage, move)
+    else:
+        puppeteer = _live(arguments, shape, move)
+    done = recorded_move(puppeteer, arguments.layer, trim=not arguments.no_trim, tell=_warn)
     save(done, arguments.file, shape)
     print(_summary(done, arguments.file))
     return 0
 
 
 def _move(arguments: Namespace, shape: BodyShape) -> KeyframeMove:
-    """The move as it is, or a new one."""
-    name = arguments.name or arguments.file.stem
-    if arguments.file.exists():
-        try:
-            move = read_move(arguments.file, shape)
-        except MoveFileError as error:
-            error.add_note(
-                f"woz record-move: {arguments.file} exists, but is not a readable move file;"
-                " nothing was recorded"
-            )
-            raise
-        if arguments.name and move.name != arguments.name:
-            raise RecordError(f"{arguments.file} holds the move {move.name!r}, not {name!r}")
-        return move
-    if arguments.file.suffix not in (".yaml", ".yml"):
-        raise RecordError(f"{arguments.file}: move files end in .yaml")
-    if not arguments.file.absolute().parent.is_dir():
-        raise RecordError(f"{arguments.file.parent}: this folder does not exist")
-    if not NAME.fullmatch(name):
-        raise RecordError(f"{name!r} cannot be a move's name; {NAME_RULE}")
-    return KeyframeMove(name, "", ())
-
-
-def _changed(move: KeyframeMove, arguments: Namespace) -> KeyframeMove:
-    known = [layer.name for layer in move.layers]
-    shares = [name for name, _ in arguments.share]
-    for name in (*arguments.mute, *arguments.unmute, *shares, *arguments.drop):
-        if name not in known:
-            there = f"; there are {', '.join(known)}" if known else ""
-            raise RecordError(f"{move.name} has no layer {name!r}{hint(name, known) or there}")
-    for name in arguments.mute:
-        move = with_muted(move, name)
-    for name in arguments.unmute:
-        move = with_muted(move, name, False)
-    for name, share in arguments.share:
-        move = with_share(move, name, share)
-    for name in arguments.drop:
-        move = without_layer(move, name)
-    return move
+    try:
+        return move_to_record(arguments.file, arguments.name, shape)
+    except MoveFileError as error:
+        error.add_note(
+            f"woz record-move: {arguments.file} exists, but is not a readable move file;"
+            " nothing was recorded"
+        )
+        raise
 
 
 def _summary(move: KeyframeMove, file: Path) -> str:
@@ -174,97 +160,66 @@ def _summary(move: KeyframeMove, file: Path) -> str:
 # -- the take -----------------------------------------------------------------------------------
 
 
-def _scripted(arguments: Namespace, stage: RenderTarget, move: KeyframeMove) -> KeyframeMove:
+def _scripted(arguments: Namespace, stage: RenderTarget, move: KeyframeMove) -> Puppeteer:
     read = read_inputs(input_lines(arguments.inputs), stage.verbs, stage.body)
     inputs = [stage.translated(one) for one in read]
     settings = stage.spec.settings
     puppeteer = Puppeteer(
         settings, move, arguments.layer, arguments.rate, moves=settings.repertoire.moves
     )
-    last = inputs[-1].t if inputs else 0.0
-    seconds = arguments.seconds or max(last - arguments.start + AFTER_S, puppeteer.backing_s)
-    if seconds > LONGEST_S:
-        raise RecordError(
-            f"a take of {seconds:g} s is too long, play waits for {LONGEST_S:g} s at most;"
-            " --from and --seconds cut a piece out"
-        )
-    perform_script(puppeteer, inputs, arguments.start, seconds, _warn)
-    return _finished(puppeteer, arguments)
+    perform_script(puppeteer, inputs, arguments.start, arguments.seconds, _warn)
+    return puppeteer
 
 
-def _live(arguments: Namespace, shape: BodyShape, move: KeyframeMove) -> KeyframeMove:
-    if not sys.stdin.isatty():
-        raise RecordError("there is no keyboard here; give the inputs with --inputs")
+def _live(arguments: Namespace, shape: BodyShape, move: KeyframeMove) -> Puppeteer:
     puppeteer = Puppeteer(shape, move, arguments.layer, arguments.rate)
     seconds = min(arguments.seconds or LONGEST_S, LONGEST_S)
-    with keyboard() as keys:
-        kept = KeyboardTake(puppeteer, shape, keys, arguments.count_in, seconds).perform()
-    if not kept:
-        raise RecordError("cancelled; nothing was saved")
-    return _finished(puppeteer, arguments)
-
-
-def _finished(puppeteer: Puppeteer, arguments: Namespace) -> KeyframeMove:
-    move = puppeteer.recorded(trim=not arguments.no_trim)
-    layer = next(layer for layer in move.layers if layer.name == arguments.layer)
-    if layer.length <= 0:
-        raise RecordError("this take has no movement; nothing was saved")
-    if puppeteer.interrupted:
-        _warn(
-            "an input stopped the other layers while they played: gaze, pose and play do this;"
-            " joints and controls are added to the layers"
+    with _keyboard() as keys:
+        take = KeyboardTake(
+            puppeteer, shape, keys, arguments.count_in, seconds, clock=time.monotonic, show=_show
         )
-    return move
+        if not take.perform(shutil.get_terminal_size().columns - 1):
+            raise RecordError("cancelled; nothing was saved")
+    return puppeteer
+
+
+@contextlib.contextmanager
+def _keyboard() -> Iterator[Keys]:
+    """The terminal's keys one by one and unseen; the terminal is as before in the end."""
+    with single_keys() as descriptor:
+        if descriptor is None:
+            raise RecordError("there is no keyboard here; give the inputs with --inputs")
+
+        def keys(seconds: float) -> list[bytes]:
+            if not _ready(descriptor, seconds):
+                return []
+            data = os.read(descriptor, 1024)
+            if data.endswith(b"\x1b") and _ready(descriptor, SEQUENCE_S):
+                data += os.read(descriptor, 1024)
+            return split_keys(data) if data else [GIVE_UP[0]]  # the terminal is gone
+
+        try:
+            yield keys
+        finally:
+            sys.stdout.write("\n")
+            sys.stdout.flush()
+
+
+def _ready(descriptor: int, seconds: float) -> bool:
+    return bool(select.select([descriptor], [], [], seconds)[0])
+
+
+def _show(text: str) -> None:
+    """A line that begins with a carriage return is drawn over the one before, and is never longer
+    than the screen is wide.
+    """
+    if text.startswith("\r"):
+        width = shutil.get_terminal_size().columns - 1
+        raw_stream(sys.stdout).write(f"\r{clean(text[1:width])}\x1b[K")
+    else:
+        sys.stdout.write(text)
+    sys.stdout.flush()
 
 
 def _warn(text: str) -> None:
     print(f"woz record-move: {text}", file=sys.stderr)
-
-
-# -- scripted take ---------------------------------------------------------------------------------
-#: Ticks a second, as the driver's own by default.
-RATE = 50.0
-
-
-def perform_script(
-    puppeteer: Puppeteer,
-    inputs: Sequence[Input],
-    start: float,
-    seconds: float,
-    tell: Callable[[str], None],
-) -> None:
-    """Go through the inputs; the take is what happens from `start` on, for `seconds`.
-
-    Every input counts from its own moment on, also between two ticks. `tell` hears of those that
-    were refused. Raises `RecordError` where the body cannot be moved at `start`.
-    """
-    waiting = deque(inputs)
-    end = start + seconds
-    puppeteer.tick(0.0)
-    began = False
-    for moment in _moments(inputs, start, end):
-        puppeteer.tick(moment)
-        if not began and moment >= start:
-            try:
-                puppeteer.begin()
-            except RejectedError as refused:
-                text = (
-                    f"the take cannot begin at {start:g} s: {refused.what}; choose another --from"
-                )
-                raise RecordError(text) from None
-            began = True
-        while waiting and waiting[0].t <= moment:
-            one = waiting.popleft()
-            try:
-                apply_input(
-                    one, puppeteer.engine, lambda verb, args, _: puppeteer.apply(verb, args)
-                )
-            except RejectedError as refused:
-                tell(f"{one.place}: {one.verb} {refusal(refused)}")
-
-
-def _moments(inputs: Sequence[Input], start: float, end: float) -> list[float]:
-    """All ticks: those of the rate, those of inputs, the take's beginning and end."""
-    ticks = {index / RATE for index in range(int(end * RATE) + 1)}
-    exact = {one.t for one in inputs if one.t <= end}
-    return sorted(ticks | exact | {start, end})

@@ -3,30 +3,19 @@
 from __future__ import annotations
 
 import contextlib
-import os
-import select
-import shutil
-import sys
-import termios
 import textwrap
-import time
-import tty
 from collections.abc import Callable, Iterator, Mapping
 
-from woz_tui.cli.safe_streams import raw_stream
 from woz_tui.drivers.contract import RejectedError
 from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.puppeteer import Puppeteer
-from woz_tui.system.text_cleaning import clean
 
 #: Ticks a second, and degrees a key press moves a joint or a role: with a keyboard's repeat of
 #: 25 a second that is 75 degrees a second.
 RATE, STEP = 50.0, 3.0
 #: The line is drawn so often at most, in seconds: it may go over a slow network.
 DRAW_S = 0.1
-#: An escape is one only if nothing follows it for so long, in seconds.
-SEQUENCE_S = 0.05
 #: How far a key moves the eyes, of 1.
 GLANCE = 0.2
 
@@ -73,20 +62,11 @@ ROLE_KEYS: Mapping[str, str] = {
 Keys = Callable[[float], list[bytes]]
 
 
-def _show(text: str) -> None:
-    """A line that begins with a carriage return is drawn over the one before, and is never longer
-    than the screen is wide.
-    """
-    if text.startswith("\r"):
-        width = shutil.get_terminal_size().columns - 1
-        raw_stream(sys.stdout).write(f"\r{clean(text[1:width])}\x1b[K")
-    else:
-        sys.stdout.write(text)
-    sys.stdout.flush()
-
-
 class KeyboardTake:
-    """Counts in, performs, shows; `keys`, `clock` and `show` are the terminal."""
+    """Counts in, performs, shows; `keys`, `clock` and `show` are the terminal.
+
+    A text that begins with a carriage return is drawn over the line before.
+    """
 
     def __init__(
         self,
@@ -96,8 +76,8 @@ class KeyboardTake:
         count_in: float,
         seconds: float,
         *,
-        clock: Callable[[], float] = time.monotonic,
-        show: Callable[[str], None] = _show,
+        clock: Callable[[], float],
+        show: Callable[[str], None],
     ) -> None:
         self._puppeteer = puppeteer
         self._shape = shape
@@ -110,9 +90,10 @@ class KeyboardTake:
         self._eyes = [0.0, 0.0]
         self._drawn = -DRAW_S
 
-    def perform(self) -> bool:
-        """Until space, or until the time is over; whether it shall be kept."""
-        width = shutil.get_terminal_size().columns - 1
+    def perform(self, width: int) -> bool:
+        """Until space, or until the time is over; whether it shall be kept. `width`: columns of the
+        screen.
+        """
         self._show("\n".join(self.help(width)) + "\n")
         origin = self._clock()
         began: float | None = None
@@ -184,38 +165,11 @@ class KeyboardTake:
         self._puppeteer.apply("look", {"x": self._eyes[0], "y": self._eyes[1]})
 
 
-@contextlib.contextmanager
-def keyboard() -> Iterator[Keys]:
-    """The terminal's keys one by one and unseen; the terminal is as before in the end."""
-    descriptor = sys.stdin.fileno()
-    before = termios.tcgetattr(descriptor)
-
-    def keys(seconds: float) -> list[bytes]:
-        if not _ready(descriptor, seconds):
-            return []
-        data = os.read(descriptor, 1024)
-        if data.endswith(b"\x1b") and _ready(descriptor, SEQUENCE_S):
-            data += os.read(descriptor, 1024)
-        return split_keys(data) if data else [GIVE_UP[0]]  # the terminal is gone
-
-    try:
-        tty.setcbreak(descriptor)
-        yield keys
-    finally:
-        termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
-        sys.stdout.write("\n")
-        sys.stdout.flush()
-
-
 def _lines(entries: list[str], width: int) -> Iterator[str]:
     """Entries side by side, none of them broken in two unless it is wider than the screen."""
     joined = "   ".join(entry.replace(" ", "\0") for entry in entries)
     for line in textwrap.wrap(joined, width, break_long_words=False, break_on_hyphens=False):
         yield line.replace("\0", " ")
-
-
-def _ready(descriptor: int, seconds: float) -> bool:
-    return bool(select.select([descriptor], [], [], seconds)[0])
 
 
 def split_keys(data: bytes) -> list[bytes]:

@@ -74,7 +74,7 @@ def _play(arguments: Namespace, experiment: Path, robot: str, demo: Shown | None
     def options(process: RobotProcess) -> console_start.ScreenOptions:
         silent = ("", "")
         if shown.aloud:
-            from woz_tui.cli import demo_voice  # noqa: PLC0415 - only demos are heard
+            from woz_tui.host import demo_voice  # noqa: PLC0415 - only demos are heard
 
             silent = demo_voice.silence()
             if not silent[0]:

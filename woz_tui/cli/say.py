@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +19,12 @@ from woz_tui.config.robots import is_robot_file
 from woz_tui.drivers import plugins
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Driver, DriverError, Scope, Verb
+from woz_tui.drivers.lone_job import LOUDSPEAKER, SAY, LoneJob
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.action_messages import Evidence
 from woz_tui.protocol.messages import Json
 from woz_tui.session.driver_context import SessionDriverContext
 from woz_tui.system.clock import RealClock
 
-#: The driver of this machine's loudspeaker, and the verb that is tried.
-LOUDSPEAKER, SAY = "speech", "say"
 #: How long a robot may take to be there, in seconds.
 _THERE_S = 20.0
 #: What an utterance may change, as options: name -> type.
@@ -48,32 +46,6 @@ class Speaker:
     settings: Any
     verb: Verb
     folder: Path
-
-
-@dataclass(slots=True)
-class LoneJob:
-    """A command outside of a session."""
-
-    args: Mapping[str, Any]
-    command: str = "try"
-    verb: str = SAY
-    source: str = "program"
-    #: How long it will take, as the driver says.
-    expected: list[float] = field(default_factory=list)
-
-    def expects(self, seconds: float) -> None:
-        """Nobody counts down."""
-        self.expected.append(seconds)
-
-    def goes_on(self) -> Callable[[str], None]:
-        """Nothing moves."""
-        return lambda why: None
-
-    def mark(self, sort: str, text: str = "") -> None:
-        """Nobody follows its words."""
-
-    def evidence(self, kind: Evidence) -> None:
-        """Whoever sits before it hears it."""
 
 
 def add_speakers(parser: ArgumentParser) -> None:

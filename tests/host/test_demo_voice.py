@@ -13,9 +13,9 @@ from woz_drivers.speech.settings import SpeechSettings
 from tests.drivers.published_messages import until
 from tests.drivers.speech_rig import SpeechRig, desk_in
 from tests.host.rig import served_session
-from woz_tui.cli.demo_voice import DemoVoice, silence, voice_settings
 from woz_tui.client import WozStoppedError, connect
 from woz_tui.config.annotated_decoder import settings_from_texts
+from woz_tui.host.demo_voice import DemoVoice, silence, voice_settings
 
 
 def said(rig: SpeechRig) -> list[object]:

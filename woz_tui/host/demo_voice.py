@@ -20,12 +20,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from woz_tui.bus.hub import Hub
-from woz_tui.cli.say import LOUDSPEAKER, SAY, LoneJob
 from woz_tui.client import WozClient, WozError, connect
 from woz_tui.config.annotated_decoder import settings_from_texts
 from woz_tui.config.loading import load
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, DriverError, Probe, Scope
+from woz_tui.drivers.lone_job import LOUDSPEAKER, SAY, LoneJob
 from woz_tui.protocol import messages as m
 from woz_tui.session.driver_context import SessionDriverContext
 from woz_tui.system.clock import RealClock

@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from tests.replay.rerun_rig import write_log
 from tests.replay.test_rerun_plan import END, LOG, Timed, command, dispatched, done_message
 from woz_tui.cli import main
-from woz_tui.cli.rerun import RerunLines
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
 from woz_tui.host.experiment_view import ExperimentView, plan_of
 from woz_tui.protocol import messages as m
 from woz_tui.replay.experiment_origin import _places
+from woz_tui.replay.rerun_progress import RerunLines
 from woz_tui.session.redactor import Redactor
 from woz_tui.session.session_start import experiment_files
 

@@ -11,10 +11,10 @@ from woz_tui.analysis.experiment_names import ExperimentNames
 from woz_tui.analysis.played_actions import PlayedAct, PlayedSession, played_session
 from woz_tui.analysis.session_comparison import BY_COMMANDS, ActPair, Comparison, compare, facts
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.rerun import clock
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.log.log_reader import Damage, files_of, read
 from woz_tui.log.sessions import sessions_in
+from woz_tui.replay.rerun_progress import clock
 from woz_tui.system.text_cleaning import clean
 
 #: Lines of each part of the table, unless `--all` is given.

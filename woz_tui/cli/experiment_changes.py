@@ -13,8 +13,6 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.replay import experiment_origin
 from woz_tui.replay.experiment_origin import ExperimentOrigin
-from woz_tui.session.redactor import Redactor
-from woz_tui.session.session_plan import study_settings
 from woz_tui.system.text_cleaning import clean
 
 #: Lines of a difference that are shown at most; the rest is counted.
@@ -47,11 +45,3 @@ def error_lines(origin: ExperimentOrigin, error: ExperimentError, *, reveal: boo
     for problem in error.problems:
         yield f"{problem.place}: {'warning' if problem.warning else 'an error'}"
     yield f"woz: {_BLIND}"
-
-
-def redactor_of(origin: ExperimentOrigin, experiment: Experiment, *, reveal: bool) -> Redactor:
-    """Hides from the commands of a log what its wizard was not to know."""
-    if reveal:
-        return Redactor()
-    study = origin.study
-    return Redactor(study if study is not None and study.blind else study_settings(experiment))

@@ -15,12 +15,12 @@ import socket
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from woz_tui.cli.console_start import ScreenOptions, run_session, with_terminal
 from woz_tui.cli.error_sentences import with_error_sentences
-from woz_tui.cli.experiment_changes import change_lines, error_lines, redactor_of
+from woz_tui.cli.experiment_changes import change_lines, error_lines
 from woz_tui.cli.shared_options import builtins
 from woz_tui.cli.single_keys import single_keys
 from woz_tui.config.bundled_files import bundled_file
@@ -31,19 +31,23 @@ from woz_tui.console.link.host_start import Launch, LaunchError, RobotProcess, h
 from woz_tui.drivers.plugins import installed
 from woz_tui.log.file_names import current_path
 from woz_tui.protocol import codec
-from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import PROTOCOL, AskStop, Hello
 from woz_tui.replay import experiment_origin
 from woz_tui.replay.opened_log import LogError, log_in
-from woz_tui.replay.rerun_plan import RerunPlan, RerunStep, fitted, plan_of, unfit_steps
+from woz_tui.replay.rerun_plan import (
+    RerunPlan,
+    RerunStep,
+    fitted,
+    plan_of,
+    redacted_plan,
+    unfit_steps,
+)
+from woz_tui.replay.rerun_progress import RerunLines, clock
 from woz_tui.session.redactor import Redactor
 from woz_tui.system.clock import RealClock
 from woz_tui.system.text_cleaning import clean
-from woz_tui.timeline.episodes import OUTCOMES
 
 _YES = "yes"
-#: Ends of commands that are as planned.
-_EXPECTED = (m.Done, m.Stopped, m.Superseded)
 _ESCAPE, _CTRL_C = b"\x1b", b"\x03"
 _STOPPED = 130
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -123,7 +127,7 @@ def _prepare(arguments: argparse.Namespace) -> _Rerun | None:
     if experiment is None:
         return None
     changes = change_lines(plan.origin, experiment, reveal=arguments.reveal)
-    redactor = redactor_of(plan.origin, experiment, reveal=arguments.reveal)
+    redactor = experiment_origin.redactor_of(plan.origin, experiment, reveal=arguments.reveal)
     plan = fitted(plan, experiment)
     return _Rerun(log, experiment, plan, redacted_plan(plan, redactor), changes, redactor)
 
@@ -220,19 +224,6 @@ def _in_console(command: list[str], own_keys: Sequence[BuiltinKey], theme: str) 
 # -- the summary before the question, and the dry run ---------------------------------------------
 
 
-def redacted_plan(plan: RerunPlan, redactor: Redactor) -> RerunPlan:
-    """The plan as the wizard may see it."""
-    return replace(plan, steps=tuple(_visible_step(step, redactor) for step in plan.steps))
-
-
-def _visible_step(step: RerunStep, redactor: Redactor) -> RerunStep:
-    command = redactor.message(step.command)
-    if command is step.command or not isinstance(command, m.Command):
-        return step
-    why = "reason is hidden: it could reveal what this study hides from you" if step.skip else ""
-    return replace(step, command=command, skip=why)
-
-
 def summary_lines(plan: RerunPlan, experiment: Experiment, *, headless: bool) -> Iterator[str]:
     """What will be run, on what, and what will not."""
     drives = sum(step.drives for step in plan.sent)
@@ -309,79 +300,7 @@ def _args(step: RerunStep) -> str:
     return text if len(text) <= ARGS else f"{text[: ARGS - 3]}..."
 
 
-def clock(us: int) -> str:
-    """`1:02.345`; before the first command `-0:00.500`."""
-    sign, us = ("-", -us) if us < 0 else ("", us)
-    minutes, rest = divmod(us, 60_000_000)
-    return f"{sign}{minutes}:{rest / 1_000_000:06.3f}"
-
-
 # -- without a console ----------------------------------------------------------------------------
-
-
-@dataclass
-class RerunLines:
-    """The messages of a re-run so far; `lines` returns what is printed for the next one.
-
-    `streams`: driver and verb of setpoints that get no line each. `redactor`: hides what the
-    wizard of then was not to know.
-    """
-
-    streams: frozenset[tuple[str, str]] = frozenset()
-    redactor: Redactor = field(default_factory=Redactor)
-    commands: dict[str, m.Command] = field(default_factory=dict)
-    began: int = 0
-    failed: int = 0
-    ended: m.RerunEnded | None = None
-
-    def lines(self, message: object) -> Iterator[str]:
-        """Lines for `message`; usually one or none."""
-        if isinstance(message, m.Message):
-            visible = self.redactor.message(message)
-            if visible is not None:
-                yield from self._lines(visible)
-
-    def _lines(self, message: m.Message) -> Iterator[str]:
-        match message:
-            case m.RerunStarted():
-                self.began = message.t
-                yield f"{message.commands} commands of {clean(message.original)}"
-            case m.Command(source="replay"):
-                self.commands[message.command] = message
-            case m.RerunSent():
-                yield from self._sent(message)
-            case m.RerunSkipped():
-                yield f"{self._time(message.t)}  {message.original_command} is left out:" + (
-                    f" {clean(message.reason)}"
-                )
-            case m.RerunEnded():
-                self.ended = message
-            case m.Notice(level=level, text=text):
-                yield f"{self._time(message.t)}  {level}: {clean(text)}"
-            case m.DriverLost() | m.DriverFaulted():
-                yield f"{self._time(message.t)}  {message.driver}: {clean(message.detail)}"
-            case m.End():
-                yield from self._end(message)
-
-    def _sent(self, sent: m.RerunSent) -> Iterator[str]:
-        command = self.commands.get(sent.command)
-        if command is None or (command.driver, command.verb) in self.streams:
-            return
-        args = clean(", ".join(f"{name} {value}" for name, value in command.args.items()))
-        what = clean(f"{command.driver}.{command.verb}")
-        yield f"{self._time(sent.due)}  {what} {args[:80]}  ({sent.late_us / 1000:.1f} ms late)"
-
-    def _end(self, end: m.End) -> Iterator[str]:
-        command = self.commands.pop(end.command, None)
-        if command is None or isinstance(end, _EXPECTED):
-            return
-        self.failed += 1
-        how = OUTCOMES[type(end)].replace("_", " ")
-        what = clean(f"{command.driver}.{command.verb}")
-        yield f"{self._time(end.t)}  {what} {how}: {clean(end.reason)}"
-
-    def _time(self, t: int) -> str:
-        return f"{clock(t - self.began):>10}"
 
 
 def watch(launch: Launch, streams: frozenset[tuple[str, str]], redactor: Redactor) -> int:

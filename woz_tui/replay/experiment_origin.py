@@ -18,6 +18,8 @@ from woz_tui.drivers.contract import Driver
 from woz_tui.log.file_names import from_folder
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
+from woz_tui.session.redactor import Redactor
+from woz_tui.session.session_plan import study_settings
 from woz_tui.session.session_start import text_without_home
 
 #: The folder in which a project keeps its experiments, beside the one of its logs.
@@ -128,6 +130,14 @@ def find_experiment(
 def was_blind(origin: ExperimentOrigin, experiment: Experiment) -> bool:
     """Whether a wizard of this study is blind to the condition: in the log, or by now."""
     return origin.blind or bool(experiment.study.design and experiment.study.design.blind)
+
+
+def redactor_of(origin: ExperimentOrigin, experiment: Experiment, *, reveal: bool) -> Redactor:
+    """Hides from the commands of a log what its wizard was not to know."""
+    if reveal:
+        return Redactor()
+    study = origin.study
+    return Redactor(study if study is not None and study.blind else study_settings(experiment))
 
 
 def differences(

@@ -26,6 +26,7 @@ from woz_tui.log.log_reader import Damage, files_of, read
 from woz_tui.protocol import messages as m
 from woz_tui.replay.bookmarks import monotonic
 from woz_tui.replay.experiment_origin import ExperimentOrigin, origin_of
+from woz_tui.session.redactor import Redactor
 from woz_tui.session.session_driver import VERBS
 from woz_tui.timeline.episodes import CommandEpisode, MomentEpisode
 from woz_tui.timeline.timeline import Timeline
@@ -256,6 +257,19 @@ def fitted(plan: RerunPlan, experiment: Experiment) -> RerunPlan:
     }
     offered[SESSION] = {verb.name: verb for verb in VERBS}
     return replace(plan, steps=tuple(_fitted(step, offered) for step in plan.steps))
+
+
+def redacted_plan(plan: RerunPlan, redactor: Redactor) -> RerunPlan:
+    """The plan as the wizard may see it."""
+    return replace(plan, steps=tuple(_visible_step(step, redactor) for step in plan.steps))
+
+
+def _visible_step(step: RerunStep, redactor: Redactor) -> RerunStep:
+    command = redactor.message(step.command)
+    if command is step.command or not isinstance(command, m.Command):
+        return step
+    why = "reason is hidden: it could reveal what this study hides from you" if step.skip else ""
+    return replace(step, command=command, skip=why)
 
 
 def unfit_steps(plan: RerunPlan) -> tuple[RerunStep, ...]:

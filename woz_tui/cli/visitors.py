@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import difflib
 import sys
 from argparse import SUPPRESS, ArgumentParser, Namespace
 from collections.abc import Callable
 from pathlib import Path
 
-from msgspec.structs import asdict
 from rich.table import Table
 from rich.text import Text
 
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.safe_streams import json_text
-from woz_tui.config.visitor_names import key_of, quoted_name
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers.contract import DriverError
 from woz_tui.drivers.face_store import FaceStore, default_path
 from woz_tui.protocol.messages import Json
+from woz_tui.sensing.visitor_keeping import Forgetting, as_json, renamed, visitor_named
 from woz_tui.sensing.visitor_store import (
     UnsavedError,
     Visitor,
@@ -125,7 +123,7 @@ def _list(store: VisitorStore, arguments: Namespace) -> int:
     everybody = store.everybody()
     faces = [one.name for one in FaceStore(default_path()).faces()]
     if arguments.json:
-        visitors: list[Json] = [_fields(visitor) for visitor in everybody]
+        visitors: list[Json] = [as_json(visitor) for visitor in everybody]
         kept: list[Json] = [*faces]
         _print(arguments, {"file": str(store.path), "visitors": visitors, "faces": kept}, "")
     elif everybody:
@@ -139,7 +137,7 @@ def _list(store: VisitorStore, arguments: Namespace) -> int:
 
 
 def _show(store: VisitorStore, arguments: Namespace) -> int:
-    _print_visitor(store.called(arguments.name) or _find(store, arguments.name), arguments)
+    _print_visitor(store.called(arguments.name) or visitor_named(store, arguments.name), arguments)
     return 0
 
 
@@ -156,12 +154,9 @@ def _add(store: VisitorStore, arguments: Namespace) -> int:
 
 
 def _rename(store: VisitorStore, arguments: Namespace) -> int:
-    before = _find(store, arguments.name)
-    faces = {key_of(one.name) for one in FaceStore(default_path()).faces()}
-    # What the face is called.
-    label = before.name if key_of(before.name) in faces else None
-    after = store.rename(before.name, arguments.new, label=label)
-    _print(arguments, {**_fields(after), "was": before.name}, f"{before.name} is now {after.name}")
+    before = visitor_named(store, arguments.name)
+    after = renamed(store, FaceStore(default_path()), before, arguments.new)
+    _print(arguments, {**as_json(after), "was": before.name}, f"{before.name} is now {after.name}")
     return 0
 
 
@@ -169,7 +164,7 @@ def _profile(store: VisitorStore, arguments: Namespace) -> int:
     given = (arguments.age_group, arguments.address, arguments.label)
     if given == (None, None, None):
         raise VisitorRefusedError("nothing to change", "give --age-group, --address or --label")
-    before = _find(store, arguments.name)
+    before = visitor_named(store, arguments.name)
     after = store.profile(
         before.name,
         age_group=arguments.age_group,
@@ -184,7 +179,7 @@ def _profile(store: VisitorStore, arguments: Namespace) -> int:
         if value != old[fact]
     ]
     text = "\n".join([after.name, *(changes or ["  as it was"])])
-    _print(arguments, _fields(after), text)
+    _print(arguments, as_json(after), text)
     return 0
 
 
@@ -193,42 +188,20 @@ def _forget(store: VisitorStore, arguments: Namespace) -> int:
         raise VisitorRefusedError(
             "no visitor is named", "name visitors, or use --all without names"
         )
-    face_store = FaceStore(default_path())
-    kept = [one.name for one in face_store.faces()]
-    if arguments.all:
-        visitors, faces = store.everybody(), kept
-    else:
-        named = {key_of(name) for name in arguments.name}
-        faces = [face for face in kept if key_of(face) in named]
-        rest = [name for name in arguments.name if key_of(name) not in map(key_of, faces)]
-        visitors = [_find(store, name) for name in rest]
-        visitors += [one for face in faces if (one := store.find(face)) is not None]
-    visitors = list(dict.fromkeys(visitors))
-    labels = [label for visitor in visitors for label in visitor.labels]
-    faces += [face for face in kept if key_of(face) in map(key_of, labels) and face not in faces]
+    names = None if arguments.all else arguments.name
+    forgetting = Forgetting.of(store, FaceStore(default_path()), names)
+    visitors, faces = forgetting.visitors, forgetting.faces
     if (visitors or faces) and not arguments.yes and not _confirmed(visitors, faces):
         print("woz visitors: no visitor was deleted", file=sys.stderr)
         return 1
-    # The face first: if something fails it is the name that is left to try again with.
-    gone = face_store.forget(faces)
-    try:
-        if visitors:
-            store.forget(*(visitor.name for visitor in visitors))
-    except UnsavedError as error:
-        if not gone:
-            raise
-        names = ", ".join(visitor.name for visitor in visitors)
-        raise VisitorsError(
-            f"{error.reason}; deleted faces: {', '.join(gone)}; still stored: {names}",
-            f"{error.remedy}, then repeat the command",
-        ) from None
+    gone = forgetting.carry_out()
     forgotten: list[Json] = [visitor.name for visitor in visitors]
     told: list[Json] = [*gone]
     text = ", ".join(dict.fromkeys([*(visitor.name for visitor in visitors), *gone])) or "nobody"
     if gone:
         text += f"; deleted faces: {', '.join(gone)}"
     _print(arguments, {"forgotten": forgotten, "faces": told}, f"forgotten: {text}")
-    left = [label for label in labels if key_of(label) not in map(key_of, gone)]
+    left = forgetting.left(gone)
     if left:
         print(
             f"woz visitors: the face recogniser still has {', '.join(left)}; remove it there too",
@@ -259,28 +232,13 @@ def _meetings(visitor: Visitor) -> str:
     return f"{count}, last on {visitor.last_met}" if visitor.last_met else count
 
 
-def _find(store: VisitorStore, name: str) -> Visitor:
-    if found := store.find(name):
-        return found
-    names = {key_of(visitor.name): visitor.name for visitor in store.everybody()}
-    similar = [names[key] for key in difflib.get_close_matches(key_of(name), names)]
-    remedy = (
-        f"did you mean {' or '.join(similar)}?" if similar else "list all with: woz visitors list"
-    )
-    raise VisitorRefusedError(f"{store.path}: there is no visitor {quoted_name(name)}", remedy)
-
-
 def _print_visitor(visitor: Visitor, arguments: Namespace) -> None:
     facts = [f"  {fact}: {value or '-'}" for fact, value in _facts(visitor)]
-    _print(arguments, _fields(visitor), "\n".join([visitor.name, *facts]))
+    _print(arguments, as_json(visitor), "\n".join([visitor.name, *facts]))
 
 
 def _print(arguments: Namespace, value: Json, text: str) -> None:
     print(json_text(value, indent=2) if arguments.json else text)
-
-
-def _fields(visitor: Visitor) -> dict[str, Json]:
-    return {**asdict(visitor), "labels": list(visitor.labels)}
 
 
 def _facts(visitor: Visitor) -> list[tuple[str, str]]:

@@ -203,6 +203,22 @@ def test_the_command_with_the_installed_drivers(capsys: pytest.CaptureFixture[st
     assert "Museum guide" in capsys.readouterr().out
 
 
+def test_parts_and_verbs_that_nobody_s_panel_covers(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "e.yaml"
+    path.write_text(
+        "title: T\nrobot: {drivers: {robot: {type: simulated}}}\npanels:\n"
+        "  - {title: Speech, for: voice, covers: [say], actions: [{label: Hi, say: Hi}]}\n"
+        "  - {title: Rest, actions: [{label: Ho, say: Ho}]}\n"
+    )
+    parser = argparse.ArgumentParser()
+    check.add(parser)
+    assert check.run(parser.parse_args([str(path), "--all"])) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "voice Speech (no part) Rest (everybody) drive by hand: no panel" in told
+
+
 MODEL = """title: T
 robot: {drivers: {eye: {type: camera, sees: [presence, loudness]}, voice: {type: voice}}}
 engagement:

@@ -8,7 +8,6 @@ import sys
 from argparse import ArgumentParser, Namespace
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 
 from rich.table import Table
@@ -17,30 +16,29 @@ from rich.text import Text
 from woz_tui.cli import check_why, robot_fit, study_summary
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import keys
-from woz_tui.config.engagement import EngagementSettings
-from woz_tui.config.engagement_section import ENTERED, signs_given
-from woz_tui.config.engagement_words import SIGNS, VISITOR
+from woz_tui.config.action_text import action_text, main_arguments
 from woz_tui.config.experiment import (
     Action,
-    Call,
     DriverSpec,
-    Engagement,
     Experiment,
-    TextVariants,
-    Wait,
+)
+from woz_tui.config.experiment_json import (
+    drivers_json,
+    experiment_json,
+    panels_of_parts,
+    problems_json,
 )
 from woz_tui.config.file_position import ExperimentError, Problem
 from woz_tui.config.keys.keymap_file import load_keymap
 from woz_tui.config.loading import load, load_robot
 from woz_tui.config.robots import is_robot_file
-from woz_tui.config.sensor_names import published_names
-from woz_tui.config.session_verbs import engagement_verbs, session_verbs
+from woz_tui.config.session_verbs import engagement_verbs
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
-from woz_tui.drivers.contract import SPEECH, Argument, Driver, Verb
-from woz_tui.protocol.messages import Json, SignShown
+from woz_tui.drivers.contract import Argument, Driver, Verb
+from woz_tui.protocol.messages import Json
 from woz_tui.protocol.panels import covers_verb
-from woz_tui.sensing.engagement_model import EngagementModel as Model
+from woz_tui.sensing.engagement_summary import engagement_json, engagement_lines
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
@@ -121,7 +119,13 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     own = keys.builtin_keys_with([action.name for action in experiment.beside_panels], builtins)
     keymap = keys.key_map(experiment.panels, terminal, layout, own)
     if arguments.format == "json":
-        print(json.dumps(_report(experiment, keymap, terminal, layout), indent=2))
+        engagement = experiment.engagement
+        report = {
+            **experiment_json(experiment, keymap, terminal, layout),
+            "engagement": engagement_json(experiment, engagement) if engagement else None,
+            "study": study_summary.as_json(experiment),
+        }
+        print(json.dumps(report, indent=2))
     else:
         _print(experiment, keymap, terminal, layout, arguments)
     return 0
@@ -140,7 +144,7 @@ def _check_robot(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) ->
         _print_errors(error.problems, arguments)
         return 1
     if arguments.format == "json":
-        report = {"file": str(file), "ok": True, "problems": [], "drivers": _drivers(drivers)}
+        report = {"file": str(file), "ok": True, "problems": [], "drivers": drivers_json(drivers)}
         print(json.dumps(report, indent=2))
         return 0
     console = TextConsole(page=_PAGE)
@@ -168,7 +172,11 @@ def _offered(spec: DriverSpec) -> Iterator[str]:
 
 def _print_errors(problems: list[Problem], arguments: Namespace) -> None:
     if arguments.format == "json":
-        report: Json = {"file": str(arguments.file), "ok": False, "problems": _problems(problems)}
+        report: Json = {
+            "file": str(arguments.file),
+            "ok": False,
+            "problems": problems_json(problems),
+        }
         print(json.dumps(report, indent=2))
     for problem in problems:
         print(problem, file=sys.stderr)
@@ -219,18 +227,8 @@ def _count(number: int, what: str) -> str:
     return f"{number or 'no'} {what}{'' if number == 1 else 's'}"
 
 
-def _parts(experiment: Experiment) -> dict[str, list[str]]:
-    """Part -> the panels that are for it; an empty one for the rest, if there are parts."""
-    parts = experiment.parts
-    found = {
-        part: [panel.title for panel in experiment.panels if part in panel.parts] for part in parts
-    }
-    rest = [panel.title for panel in experiment.panels if not panel.parts]
-    return {**found, "": rest} if parts and rest else found
-
-
 def _part_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
-    for part, titles in _parts(experiment).items():
+    for part, titles in panels_of_parts(experiment).items():
         yield part or "(no part)", ", ".join(titles)
     covered = [verb for panel in experiment.panels for verb in panel.covers]
     uncovered = sorted(
@@ -250,7 +248,7 @@ def _print_robot_and_study(console: TextConsole, experiment: Experiment) -> None
         _print_section(console, "parts", _subject_rows(_part_lines(experiment)))
     _print_drivers(console, experiment.drivers)
     if experiment.engagement is not None:
-        lines = _engagement_lines(experiment, experiment.engagement)
+        lines = engagement_lines(experiment, experiment.engagement)
         _print_section(console, "engagement", _subject_rows(lines))
         _print_section(console, "", verb_rows(engagement_verbs()))
     if study := [*study_summary.study_lines(experiment)]:
@@ -371,290 +369,3 @@ def _argument(argument: Argument) -> str:
         facts.append(f"default {argument.default}")
     summary = f" - {argument.summary}" if argument.summary else ""
     return f"{argument.name}: {', '.join(facts)}{summary}"
-
-
-def action_text(action: Action, main_names: Mapping[str, str]) -> str:
-    """An action in one line: calls together joined by `+`, steps by `, then`.
-
-    `main_names` names the main argument of each verb, which needs no name.
-    """
-    return ", then ".join(
-        f"wait {step.seconds:g} s"
-        if isinstance(step, Wait)
-        else " + ".join(_call(call, main_names) for call in step.calls)
-        for step in action.steps
-    )
-
-
-def main_arguments(experiment: Experiment) -> dict[str, str]:
-    """The main argument of each verb by the verb's name."""
-    verbs = [verb for spec in experiment.drivers for verb in spec.offer.verbs]
-    verbs += [*session_verbs(), *(engagement_verbs() if experiment.engagement else ())]
-    return {verb.name: verb.arguments[0].name for verb in verbs if verb.arguments}
-
-
-def _call(call: Call, main_names: Mapping[str, str]) -> str:
-    words = [call.verb]
-    values = {name: _value(value) for name, value in call.args.items()}
-    values |= {name: _variants(choice) for name, choice in call.choices.items()}
-    for name, value in values.items():
-        words += [value] if name == main_names.get(call.verb) else [name, value]
-    driver = f" ({call.driver})" if "." in call.driver else ""
-    return " ".join(words) + driver
-
-
-def _variants(choice: TextVariants) -> str:
-    """Every text with its condition, and variants side by side."""
-    groups = (
-        (f"{condition}: " if condition else "") + " | ".join(map(_value, texts))
-        for condition, texts in choice.texts.items()
-    )
-    return f"{{{'; '.join(groups)}}}"
-
-
-def _value(value: Json) -> str:
-    if isinstance(value, str):
-        if value.startswith("/") and "/" in value[1:]:
-            return Path(value).name
-        return f'"{value}"' if " " in value else value
-    if isinstance(value, bool):
-        return "on" if value else "off"
-    if isinstance(value, dict):
-        return " ".join(
-            _value(entry) if name == "joints" else f"{name} {_value(entry)}"
-            for name, entry in value.items()
-        )
-    if isinstance(value, list):
-        return "; ".join(map(_value, value))
-    return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-# -- for programs -----------------------------------------------------------------------------
-
-
-def _report(
-    experiment: Experiment, keymap: keys.KeyMap, terminal: keys.Terminal, layout: str
-) -> Json:
-    main_names = main_arguments(experiment)
-    engagement = experiment.engagement
-    return {
-        "file": str(experiment.path),
-        "ok": True,
-        "title": experiment.title,
-        "robot": experiment.robot,
-        "left_out": {
-            action.name: [asdict(each) for each in action.left_out]
-            for action in experiment.actions
-            if action.left_out
-        },
-        "terminal": terminal.name,
-        "layout": layout,
-        "problems": _problems(list(experiment.warnings)),
-        "keys": [
-            _key(action, keymap.actions[action.name], main_names)
-            for panel in experiment.panels
-            for action in panel.actions
-        ],
-        "console": [
-            {
-                "id": assigned.name,
-                "key": assigned.press,
-                "wanted": assigned.wanted,
-                "why": assigned.why,
-            }
-            for assigned in keymap.builtins.values()
-        ],
-        "notes": list(keymap.warnings),
-        "parts": _parts(experiment),
-        "drivers": _drivers(experiment.drivers),
-        "engagement": _engagement(experiment, engagement) if engagement else None,
-        "study": study_summary.as_json(experiment),
-    }
-
-
-def _drivers(drivers: Iterable[DriverSpec]) -> list[Json]:
-    return [
-        {
-            "name": spec.name,
-            "type": spec.type,
-            "at": spec.at.name if spec.at is not None else "",
-            "verbs": [*map(_verb, spec.offer.verbs)],
-            "sensors": list(spec.offer.sensors),
-        }
-        for spec in drivers
-    ]
-
-
-_PROBLEM = ("path", "message", "warning")
-_ARGUMENT = ("name", "kind", "summary", "required", "default")
-
-
-def _problems(problems: list[Problem]) -> list[Json]:
-    return [
-        {**asdict(problem.place), **{name: getattr(problem, name) for name in _PROBLEM}}
-        for problem in problems
-    ]
-
-
-def _key(action: Action, assigned: keys.AssignedKey, main_names: Mapping[str, str]) -> Json:
-    return {
-        "panel": action.panel,
-        "action": action.name,
-        "label": action.label,
-        "key": assigned.press,
-        "wanted": assigned.wanted,
-        "reserve": assigned.reserve,
-        "why": assigned.why,
-        "sends": assigned.data.hex(),
-        "does": action_text(action, main_names),
-    }
-
-
-def _verb(verb: Verb) -> Json:
-    return {
-        "name": verb.name,
-        "summary": verb.summary,
-        "arguments": [
-            {
-                **{name: getattr(argument, name) for name in _ARGUMENT},
-                "range": str(argument.range or ""),
-                "choices": list(argument.choices),
-            }
-            for argument in verb.arguments
-        ],
-    }
-
-
-# -- the section engagement ------------------------------------------------------------------------
-
-
-def _engagement_lines(experiment: Experiment, engagement: Engagement) -> Iterator[tuple[str, str]]:
-    """What it is about, and the sentence."""
-    settings = engagement.settings
-    yield "engaged", _condition(settings)
-    shown = Model(settings).shown().signs
-    for sign in SIGNS:
-        rate = settings.sign(sign).rate
-        limit = "" if rate is None else f", at most {rate:g} samples a second"
-        sources = _sign_sources(experiment, settings, sign)
-        yield sign, f"{_filter(shown[sign])}{limit}, {sources}"
-    yield "speech", _speech(experiment, settings)
-    yield (
-        "turns",
-        "end when whoever spoke has gone or was replaced"
-        if settings.turns == VISITOR
-        else "last until they are over, as in the paper",
-    )
-    limits = [f"{name} {seconds:g} s" for name, seconds in _active_timeouts(settings).items()]
-    yield "timeouts", ", ".join(limits) or "none"
-    yield "handshake", _handshake(settings)
-    yield "starts", {"run": "running", "hold": "on hold", "off": "switched off"}[settings.start]
-    for state, lines in _effects(engagement, main_arguments(experiment)):
-        yield f"on {state}", ", beside it ".join(lines)
-
-
-def _engagement(experiment: Experiment, engagement: Engagement) -> Json:
-    """The same for programs."""
-    settings = engagement.settings
-    shown = Model(settings).shown().signs
-    signs: dict[str, Json] = {
-        sign: {
-            "used": sign in settings.signs,
-            "filter": shown[sign].filter,
-            "needed": shown[sign].needed,
-            "places": shown[sign].places,
-            "rate": settings.sign(sign).rate,
-            "sensors": [*_sensors(experiment, settings.sign(sign).sensor or sign)],
-            "actions": [*_actions(experiment, sign)],
-        }
-        for sign in SIGNS
-    }
-    return {
-        "start": settings.start,
-        "social_distance": settings.social_distance,
-        "signs": signs,
-        "turns": settings.turns,
-        "timeouts": {**_active_timeouts(settings)},
-        "handshake": settings.handshake.by,
-        "on_enter": dict(_effects(engagement, main_arguments(experiment))),
-        "verbs": [*map(_verb, engagement_verbs())],
-    }
-
-
-def _condition(settings: EngagementSettings) -> str:
-    words = {
-        "presence": "is there",
-        "gaze": "looks",
-        "distance": f"is within {settings.social_distance:g} m",
-    }
-    return "who " + " and ".join(words[sign] for sign in words if sign in settings.signs)
-
-
-def _filter(shown: SignShown) -> str:
-    match shown.filter:
-        case "joint":
-            return f"joint, from {shown.needed} % on"
-        case "median":
-            return f"median of {shown.places}"
-        case kind:
-            return f"{kind} {shown.needed} of {shown.places}"
-
-
-def _sign_sources(experiment: Experiment, settings: EngagementSettings, sign: str) -> str:
-    """Where a sign comes from: sensors and the wizard's actions."""
-    sensors = _sensors(experiment, settings.sign(sign).sensor or sign)
-    actions = [repr(name) for name in _actions(experiment, sign)]
-    parts = ["from " + " and ".join(sensors)] if sensors else []
-    parts += ["by " + ", ".join(actions)] if actions else []
-    return " and ".join(parts) or "no driver gives it"
-
-
-def _sensors(experiment: Experiment, reading: str) -> list[str]:
-    """The readings of this name, each with its driver."""
-    return [
-        f"{reading} ({driver})"
-        for driver, names in published_names(experiment.drivers).items()
-        if reading in names.values()
-    ]
-
-
-def _actions(experiment: Experiment, sign: str) -> list[str]:
-    """Names of the actions that give this sign."""
-    actions = (action for panel in experiment.panels for action in panel.actions)
-    return [action.name for action in actions if sign in signs_given(action)]
-
-
-def _speech(experiment: Experiment, settings: EngagementSettings) -> str:
-    speech_drivers = [spec.name for spec in experiment.drivers if SPEECH in spec.offer.sensors]
-    if speech_drivers:
-        return f"cut by {' and '.join(speech_drivers)}"
-    publishers = _sensors(experiment, settings.sound.sensor)
-    if not publishers:
-        return "no driver detects it"
-    threshold = settings.sound.threshold
-    loud = f"louder than {threshold:g}" if threshold is not None else "above the learnt threshold"
-    return f"{' and '.join(publishers)}, {loud}, {settings.sound.hang_over:g} s of silence end it"
-
-
-def _active_timeouts(settings: EngagementSettings) -> dict[str, float]:
-    return {name: seconds for name, seconds in settings.limits.items() if seconds}
-
-
-def _handshake(settings: EngagementSettings) -> str:
-    handshake = settings.handshake
-    if handshake.by == "nobody":
-        return "none: visitors without a name stay without one"
-    if handshake.by == "wizard":
-        return f"led by the wizard, {handshake.seconds:g} s at most"
-    return f"led by the robot, asks {handshake.attempts} times within {handshake.seconds:g} s"
-
-
-def _effects(
-    engagement: Engagement, main_names: Mapping[str, str]
-) -> Iterator[tuple[str, list[str]]]:
-    for state in ENTERED:
-        own = engagement.effects.get(state)
-        lines = [action_text(own, main_names)] if own is not None else []
-        lines += [f"plays {name!r}" for name in engagement.plays.get(state, ())]
-        if lines:
-            yield state, lines

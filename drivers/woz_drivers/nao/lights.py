@@ -17,7 +17,6 @@ from woz_tui.drivers.contract import (
     DriverError,
     Job,
     Offer,
-    RejectedError,
     Verb,
 )
 from woz_tui.drivers.robot_verbs import common_verb
@@ -119,8 +118,6 @@ class LightsPart(NaoqiPart):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Show it; a fade takes its time."""
-        if job.verb != "leds":
-            raise RejectedError(f"the lights cannot {job.verb!r}")
         group = word(job.args, "group", tuple(GROUPS))
         color = EyeColor.of(color_of(job.args, "color"))
         seconds = positive(job.args, "seconds", 0.0)

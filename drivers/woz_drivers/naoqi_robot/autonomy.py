@@ -69,8 +69,6 @@ class AutonomyPart(NaoqiPart):
             )
         if job.verb == "collision":
             changes = {name: number(changes, name) for name in changes}
-        elif job.verb != "autonomy":
-            raise RejectedError(f"autonomy cannot {job.verb!r}")
         refused = await self._set(changes)
         self._desired |= {name: value for name, value in changes.items() if name not in refused}
         if refused:

@@ -86,7 +86,7 @@ class BodyPart(NaoqiPart):
                 return await self.take_posture("Stand", round(speed, 3))
             case "torque":
                 return await self._torque(job)
-        raise RejectedError(f"the body cannot {job.verb!r}")
+        return await super().perform(job)
 
     async def take_posture(self, posture: str, speed: float) -> dict[str, Json]:
         """Go to a posture. Raises `DriverError` if the robot did not get there."""

@@ -21,7 +21,6 @@ from woz_tui.drivers.contract import (
     DriverError,
     Job,
     Offer,
-    RejectedError,
     Verb,
 )
 from woz_tui.protocol.camera_pictures import CameraWatched
@@ -71,8 +70,6 @@ class CameraPart(NaoqiPart):
         of the moment when it came, and `robot_time`, when the robot took it by its own clock, in
         seconds since 1970.
         """
-        if job.verb != "picture":
-            raise RejectedError(f"the camera cannot {job.verb}")
         taken = await self._capture()
         t = self._context.t(self._context.clock.now_us())
         self._live.offer(taken.width, taken.height, taken.rgb)

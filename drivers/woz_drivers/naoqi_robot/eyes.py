@@ -28,7 +28,6 @@ from woz_tui.drivers.contract import (
     Forecast,
     Job,
     Offer,
-    RejectedError,
     Scope,
     Verb,
 )
@@ -109,7 +108,7 @@ class EyesPart(NaoqiPart):
                 level = min(max(number(job.args, "level"), 0.0), 1.0)
                 await self._dim(level)
                 return {"level": level}
-        raise RejectedError(f"the eyes cannot {job.verb!r}")
+        return await super().perform(job)
 
     async def halt(self, scope: Scope) -> Pending:
         """Hold a steady light; nothing to do where nothing moves."""

@@ -23,7 +23,6 @@ from woz_tui.drivers.contract import (
     DriverError,
     Job,
     Offer,
-    RejectedError,
     Scope,
 )
 from woz_tui.drivers.fields import Range
@@ -150,7 +149,7 @@ class HeadPart(NaoqiPart):
             case "nudge":
                 goal = await self._head.by(yaw, pitch)
                 return sent(HEAD_NAMES, goal, goal)
-        raise RejectedError(f"the head cannot {job.verb!r}")
+        return await super().perform(job)
 
     def hold(self, scope: Scope) -> None:
         """The stop of all motion holds it; the next step begins where it is then."""

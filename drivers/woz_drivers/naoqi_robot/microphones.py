@@ -86,7 +86,7 @@ class MicrophonesPart(NaoqiPart):
                 return await (self._record() if on else self._end_record())
             case "listen":
                 return await (self._listen() if on else self._end_listen())
-        raise RejectedError(f"the microphones cannot {job.verb}")
+        return await super().perform(job)
 
     async def connected(self) -> None:
         """Look whether somebody listens."""

@@ -178,9 +178,7 @@ class VoicePart(NaoqiPart):
             self._context.notice("warning", problem, remedy, tells=("request",))
 
     async def _set(self, job: Job) -> dict[str, Json]:
-        setting = SETTINGS.get(job.verb)
-        if setting not in SOUNDS or setting is None:
-            raise RejectedError(f"the voice cannot {job.verb!r}")
+        setting = SETTINGS[job.verb]
         value = number(job.args, setting.argument)
         if not setting.allows(value):
             raise RejectedError(f"{job.verb} takes {setting.numbers}, not {value:g}", setting.what)

@@ -17,6 +17,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Mapping, Sequence
+from types import TracebackType
 from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from woz_tui.drivers import confirmed_stop
@@ -70,6 +71,35 @@ LinkT = TypeVar("LinkT", bound=RobotLink)
 
 #: What has to come before a part has stopped; None: there is nothing of it to stop, nor to report.
 Pending = Sequence[asyncio.Future[Any]] | None
+
+
+class RefusalAllowed:
+    """`with RefusalAllowed():` goes on behind it where the robot does not take what is asked of it
+    in there. A robot that is gone is `DeviceLostError` all the same.
+
+    Args:
+        tell: Warns of the refusal; None: nobody need know.
+        what: Stands before the robot's words then.
+    """
+
+    def __init__(self, tell: DriverContext | None = None, what: str = "") -> None:
+        self._tell = tell
+        self._before = f"{what}: " if what else ""
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> bool:
+        if not isinstance(error, DriverError) or isinstance(error, DeviceLostError):
+            return False
+        if self._tell is not None:
+            self._tell.notice("warning", f"{self._before}{error.what}", error.remedy)
+        return True
 
 
 class RobotPart(Generic[L, S]):
@@ -282,12 +312,8 @@ class RobotOfParts(Driver, Generic[LinkT, S]):
     async def _connected(self) -> None:
         """Have every part apply what was asked for; what the robot did not take is told."""
         for part in self._parts:
-            try:
+            with RefusalAllowed(self.context):
                 await part.connected()
-            except DeviceLostError:
-                raise
-            except DriverError as error:
-                self.context.notice("warning", error.what, error.remedy)
         self._show()
 
     def _lost(self) -> None:

@@ -42,7 +42,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
-from woz_tui.drivers.robot_parts import Pending
+from woz_tui.drivers.robot_parts import Pending, RefusalAllowed
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.drivers.sound_feeds import WIDTH
 from woz_tui.protocol import markup
@@ -210,14 +210,10 @@ class FurhatSpeech(FurhatPart):
 
     async def _ask_volume(self) -> None:
         """A robot that does not tell it has an unknown one."""
-        try:
+        with RefusalAllowed():
             status = await self._link.ask("request.system.status", SystemStatus, _TELLS_WITHIN_S)
-        except DeviceLostError:
-            raise
-        except DriverError:
-            return
-        if status.volume is not None:
-            self._robot_volume = min(max(status.volume / 100, 0.0), 1.0)
+            if status.volume is not None:
+                self._robot_volume = min(max(status.volume / 100, 0.0), 1.0)
 
     # -- a live voice --------------------------------------------------------------------------
 

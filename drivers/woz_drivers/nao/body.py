@@ -12,7 +12,8 @@ from woz_drivers.nao.walking import walks
 from woz_drivers.naoqi_robot.base import ASK_S
 from woz_drivers.naoqi_robot.body import MOTION, POSTURE, STIFF, BodyPart
 from woz_drivers.naoqi_robot.text_remarks import WrittenValue
-from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError
+from woz_tui.drivers.contract import RejectedError
+from woz_tui.drivers.robot_parts import RefusalAllowed
 from woz_tui.protocol.messages import Json
 
 
@@ -44,12 +45,8 @@ class NaoBodyPart(BodyPart):
         await self._link.call(MOTION, "killTasksUsingResources", list(LEGS))
 
     async def _end_posture(self) -> None:
-        try:
+        with RefusalAllowed():  # none is being taken
             await self._link.call(POSTURE, "stopMove")
-        except DeviceLostError:
-            raise
-        except DriverError:
-            pass  # none is being taken
 
 
 def written_pose(argument: WrittenValue) -> Iterator[tuple[str, str]]:

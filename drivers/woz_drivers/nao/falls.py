@@ -15,7 +15,8 @@ from typing import Any
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.parts import RobotCalls
 from woz_drivers.naoqi_robot.senses import CALM_US
-from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, RejectedError
+from woz_tui.drivers.contract import DriverContext, DriverError, RejectedError
+from woz_tui.drivers.robot_parts import RefusalAllowed
 
 FALLING, FALLEN = "ALMotion/RobotIsFalling", "robotHasFallen"
 KEYS = (FALLEN, FALLING)
@@ -101,12 +102,9 @@ class FallWatch:
             self._is(fallen=False)
 
     async def _is_up(self, *, first: bool) -> bool:
-        try:
+        family = None
+        with RefusalAllowed():
             family = memory.word(await self._link.call("ALRobotPosture", "getPostureFamily"))
-        except DeviceLostError:
-            raise
-        except DriverError:
-            family = None
         if family not in UPRIGHT:
             self._upright_us = None
             return False
@@ -117,12 +115,8 @@ class FallWatch:
 
     async def _take_back(self) -> None:
         for key in KEYS:
-            try:
+            with RefusalAllowed():  # it is asked for its posture again, then
                 await self._link.call("ALMemory", "insertData", key, False)
-            except DeviceLostError:
-                raise
-            except DriverError:
-                continue  # it is asked for its posture again, then
 
     def _is(self, *, fallen: bool) -> None:
         now_us = self._context.clock.now_us()

@@ -12,13 +12,12 @@ from woz_tui.drivers.argument_values import color as color_of
 from woz_tui.drivers.argument_values import number, positive, word
 from woz_tui.drivers.contract import (
     Argument,
-    DeviceLostError,
     DriverContext,
-    DriverError,
     Job,
     Offer,
     Verb,
 )
+from woz_tui.drivers.robot_parts import RefusalAllowed
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
@@ -129,12 +128,8 @@ class LightsPart(NaoqiPart):
     async def connected(self) -> None:
         """After a loss: what was shown."""
         for group, color in self._desired.items():
-            try:
+            with RefusalAllowed(self._context, f"the {group} stay as they are"):
                 await self._fade(group, color, 0.0)
-            except DeviceLostError:
-                raise
-            except DriverError as error:
-                self._context.notice("warning", f"the {group} stay as they are: {error.what}")
 
     async def _fade(self, group: str, color: EyeColor, seconds: float) -> None:
         name, colored = GROUPS[group]

@@ -9,7 +9,8 @@ from woz_drivers.nao.falls import FALLEN
 from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.base import MOTION, BasePart, still
 from woz_drivers.naoqi_robot.parts import RobotCalls
-from woz_tui.drivers.contract import DeviceLostError, DriverError
+from woz_tui.drivers.contract import DriverError
+from woz_tui.drivers.robot_parts import RefusalAllowed
 
 #: The families of postures in which it can begin to walk.
 ON_ITS_FEET = ("Standing",)
@@ -45,12 +46,7 @@ class WalkingPart(BasePart):
         return not active and still(velocity)
 
     async def _why(self) -> tuple[str, str]:
-        try:
-            fell = memory.flag(await self._link.call("ALMemory", "getData", FALLEN))
-        except DeviceLostError:
-            raise
-        except DriverError:
-            fell = None
-        if fell:
-            return "the robot has fallen", "clear its way; `posture: Stand` gets it up"
+        with RefusalAllowed():
+            if memory.flag(await self._link.call("ALMemory", "getData", FALLEN)):
+                return "the robot has fallen", "clear its way; `posture: Stand` gets it up"
         return await super()._why()

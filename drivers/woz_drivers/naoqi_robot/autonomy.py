@@ -22,6 +22,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Verb,
 )
+from woz_tui.drivers.robot_parts import RefusalAllowed
 from woz_tui.protocol.messages import Json
 
 LANE = "settings"
@@ -97,12 +98,9 @@ class AutonomyPart(NaoqiPart):
 
     async def _state(self) -> Json:
         """Of autonomous life; None: it does not say. Raises `DeviceLostError`."""
-        try:
+        with RefusalAllowed():
             return memory.word(await self._link.call(*SETTINGS["state"].get, within=LOOK_S))
-        except DeviceLostError:
-            raise
-        except DriverError:
-            return None
+        return None
 
     async def _set(self, changes: Mapping[str, Json]) -> dict[str, DriverError]:
         """Set these, in the order of the table; returns what the robot refused, and why.

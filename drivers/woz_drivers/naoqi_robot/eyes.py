@@ -22,7 +22,6 @@ from woz_tui.drivers.argument_values import number, positive, word
 from woz_tui.drivers.background import forget_outcome
 from woz_tui.drivers.contract import (
     Argument,
-    DeviceLostError,
     DriverContext,
     DriverError,
     Forecast,
@@ -32,7 +31,7 @@ from woz_tui.drivers.contract import (
     Verb,
 )
 from woz_tui.drivers.fields import Range
-from woz_tui.drivers.robot_parts import Pending
+from woz_tui.drivers.robot_parts import Pending, RefusalAllowed
 from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS
 from woz_tui.protocol.messages import Json
 
@@ -127,12 +126,8 @@ class EyesPart(NaoqiPart):
         async with self._changing:
             if self._shown is None:
                 return
-            try:
+            with RefusalAllowed(self._context, "the eyes stay as they are"):
                 await self._fade(self._shown, seconds)
-            except DeviceLostError:
-                raise
-            except DriverError as error:
-                self._context.notice("warning", f"the eyes stay as they are: {error.what}")
 
     def lost(self) -> None:
         """Blinking ends."""

@@ -30,6 +30,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
 )
 from woz_tui.drivers.face_store import key_of
+from woz_tui.drivers.robot_parts import RefusalAllowed
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
@@ -162,12 +163,9 @@ class MemoryQuery:
 
     async def _refusable(self, method: str, words: str | list[str]) -> Any:
         """What the robot says; None if it says no. Raises `DeviceLostError`."""
-        try:
+        with RefusalAllowed():
             return await self._link.call("ALMemory", method, words)
-        except DeviceLostError:
-            raise
-        except DriverError:
-            return None
+        return None
 
 
 #: A missing module is asked for again after so long: at its start a robot has them one by one.

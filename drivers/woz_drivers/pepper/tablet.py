@@ -29,7 +29,7 @@ from woz_tui.drivers.contract import (
     Scope,
     Verb,
 )
-from woz_tui.drivers.robot_parts import Pending
+from woz_tui.drivers.robot_parts import Pending, RefusalAllowed
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.protocol.messages import Json
 
@@ -39,6 +39,7 @@ from woz_tui.protocol.messages import Json
 # view, and where it moves and leaves in those pixels only. How many pixels there are depends on the
 # tablet's scale (1280 x 800, or 1707 x 1067), so it is learnt from fingers that come down.
 
+_SERVICE = "ALTabletService"
 SENSORS = ("touch.x", "touch.y")
 #: Moves are told at most so often, in seconds.
 _STEP_S = 0.1
@@ -148,14 +149,10 @@ class Touch:
             await asyncio.gather(*(end() for end in signals))
 
     async def _listen(self, signal: str, listener: Any) -> bool:
-        try:
-            end = await self._link.listen("ALTabletService", signal, listener)
-        except DeviceLostError:
-            raise
-        except DriverError:
-            return False
-        self._subscriptions.append(end)
-        return True
+        with RefusalAllowed():
+            self._subscriptions.append(await self._link.listen(_SERVICE, signal, listener))
+            return True
+        return False
 
     def _forget(self) -> None:
         self._last_move = self._down = self._down_pixels = None
@@ -261,7 +258,6 @@ def _now() -> float:
 
 # -- the tablet ------------------------------------------------------------------------------------
 
-_SERVICE = "ALTabletService"
 _FAREWELL_S = 0.5
 _COMMANDS = ("wifi", "hide", "default", "stop")
 #: The argument of `screen` that means the default.
@@ -354,12 +350,8 @@ class TabletPart(NaoqiPart):
             ("videoFinished", self._finished),
             ("onLoadPageError", self._not_loaded),
         ):
-            try:
+            with RefusalAllowed():  # an older tablet: the video's end is asked for as well
                 self._signals.append(await self._link.listen(_SERVICE, signal, listener))
-            except DeviceLostError:
-                raise
-            except DriverError:  # an older tablet: the video's end is asked for as well
-                continue
         if self._touch is not None:
             await self._touch.connected()
         try:
@@ -567,9 +559,6 @@ async def played(robot: RobotCalls) -> bool:
 
 async def _video_ms(robot: RobotCalls, what: str) -> float | None:
     """Milliseconds; None if the tablet does not tell."""
-    try:
-        return number(await robot.call("ALTabletService", f"getVideo{what}"))
-    except DeviceLostError:
-        raise
-    except DriverError:
-        return None
+    with RefusalAllowed():
+        return number(await robot.call(_SERVICE, f"getVideo{what}"))
+    return None

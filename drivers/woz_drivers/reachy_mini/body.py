@@ -22,6 +22,7 @@ from woz_drivers.reachy_mini.pose import HOME, LIMITS, Pose, reachable
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, RejectedError
+from woz_tui.drivers.robot_parts import RefusalAllowed
 from woz_tui.motion.body_feeds import PRESENT, SETPOINTS, JointPositions, Setpoints
 from woz_tui.motion.safety import LimitedJoint, Limits
 from woz_tui.system.tasks import end_tasks
@@ -318,13 +319,9 @@ class ReachyBody:
             self._sent = sent
             await self._link.setpoint(sent)
             if all(one.landed for one in joints.values()):
-                try:
+                what = "nobody knows whether the robot looks where it is told to"
+                with RefusalAllowed(self._context, what):
                     await self._arrive()
-                except DeviceLostError:
-                    raise
-                except DriverError as error:
-                    text = f"nobody knows whether the robot looks where it is told to: {error.what}"
-                    self._context.notice("warning", text, error.remedy)
                 if self._held is goal or self._held is None:
                     break  # else it was to look elsewhere meanwhile
 

@@ -30,7 +30,7 @@ from woz_tui.drivers.contract import (
     VoiceFound,
     Written,
 )
-from woz_tui.drivers.robot_parts import RobotOfParts
+from woz_tui.drivers.robot_parts import RefusalAllowed, RobotOfParts
 from woz_tui.drivers.robot_verbs import known_by
 from woz_tui.drivers.sound_feeds import LISTEN
 from woz_tui.protocol.messages import Json
@@ -135,9 +135,9 @@ class ReachyMini(RobotOfParts[DaemonLink, ReachyMiniSettings]):
                 await self._link.ask("POST", "media/tracking/disable")
                 await self._link.ask("POST", "media/wobbling/disable")
         if self.settings.release_media:
-            with contextlib.suppress(DeviceLostError):
+            with contextlib.suppress(DeviceLostError), RefusalAllowed(self.context):
                 await self._link.pause(_OTHERS_END_S)
-                await self._hold_media(True)
+                await self._link.hold_media(True)
 
     # -- the daemon ------------------------------------------------------------------------------
 
@@ -151,20 +151,13 @@ class ReachyMini(RobotOfParts[DaemonLink, ReachyMiniSettings]):
             await self._sounds.stop()
         self._was_lost = False
         if self.settings.release_media:
-            await self._hold_media(False)
+            with RefusalAllowed(self.context):
+                await self._link.hold_media(False)
         await self._motion.switch_wobbling_and_tracking()
         if self._link.status.silent and not self._told_silent:
             self._told_silent = True
             self.context.notice("warning", *_SILENT)
         await self._connected()
-
-    async def _hold_media(self, held: bool) -> None:
-        try:
-            await self._link.hold_media(held)
-        except DeviceLostError:
-            raise
-        except DriverError as error:
-            self.context.notice("warning", error.what, error.remedy)
 
     def _show(self) -> None:
         if self._link.ready:  # else nobody knows

@@ -36,7 +36,7 @@ from woz_tui.drivers.contract import (
     RejectedError,
     Scope,
 )
-from woz_tui.drivers.robot_parts import Pending
+from woz_tui.drivers.robot_parts import Pending, RefusalAllowed
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.motion.safety import finite_number
 from woz_tui.protocol import markup
@@ -202,13 +202,10 @@ class ReachySounds(ReachyPart):
 
     async def _volume(self) -> float | None:
         """Of its loudspeaker, 0 to 1; None: it does not say. Raises `DeviceLostError`."""
-        try:
+        percent = None
+        with RefusalAllowed():
             answer = await self._link.ask("GET", "volume/current")
-        except DeviceLostError:
-            raise
-        except DriverError:
-            return None
-        percent = finite_number(answer.get("volume")) if isinstance(answer, dict) else None
+            percent = finite_number(answer.get("volume")) if isinstance(answer, dict) else None
         return None if percent is None else percent / 100
 
     async def _set_volume(self, level: float) -> float:

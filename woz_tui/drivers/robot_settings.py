@@ -4,10 +4,12 @@ file asks for it. The robot file, the verb and the line of the console's screen 
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from woz_tui.drivers.contract import Argument, Verb
+from woz_tui.drivers.contract import Argument, RejectedError, Verb
 from woz_tui.drivers.fields import Doc, OneOf, Range
 from woz_tui.drivers.robot_verbs import COMMON_VERBS, common_verb
 from woz_tui.protocol.messages import Json
@@ -16,6 +18,15 @@ from woz_tui.protocol.robot_outline import Setting
 Kind = Literal["flag", "choice", "number", "color", "text"]
 
 _SHARE = Range(0, 1)
+
+
+@contextlib.contextmanager
+def problem_at(path: str, found: list[tuple[str, str]]) -> Iterator[None]:
+    """What is rejected in here is a problem that is `found` in the setting at `path`."""
+    try:
+        yield
+    except RejectedError as error:
+        found.append((path, f"{error.what}; {error.remedy}"))
 
 
 @dataclass(frozen=True, slots=True)

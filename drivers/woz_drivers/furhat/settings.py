@@ -10,9 +10,8 @@ from woz_drivers.furhat.moves import FACE_PARAMETERS, FaceFrame
 from woz_drivers.programs.simulated_process import SIMULATED, robot_place
 from woz_drivers.sound.live_talk import TalkSettings
 from woz_tui.drivers.argument_values import color, did_you_mean
-from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
-from woz_tui.drivers.robot_settings import RobotSetting
+from woz_tui.drivers.robot_settings import RobotSetting, problem_at
 
 #: Where the Realtime API listens.
 PORT = 9000
@@ -177,19 +176,15 @@ class FurhatSettings(Section):
     def problems(self) -> list[tuple[str, str]]:
         """What no robot takes, by the setting's path."""
         found: list[tuple[str, str]] = []
-        try:
+        with problem_at("address", found):
             _ = self.place
-        except RejectedError as error:
-            found.append(("address", f"{error.what}; {error.remedy}"))
         if self.talk is not None:
             found += self.talk.problems()
         if not re.fullmatch("[A-Z][A-Z0-9_]*", self.key):
             found.append(("key", _NO_VARIABLE))
         if self.led:
-            try:
+            with problem_at("led", found):
                 color({"color": self.led}, "color")
-            except RejectedError as error:
-                found.append(("led", f"{error.what}; {error.remedy}"))
         for name, frames in self.gestures.items():
             for index, frame in enumerate(frames):
                 for parameter, value in frame.face.items():

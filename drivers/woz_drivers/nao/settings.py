@@ -10,8 +10,8 @@ from woz_drivers.nao.model import CAMERAS, NAO
 from woz_drivers.naoqi_robot.address import parse
 from woz_drivers.naoqi_robot.model import RobotModel
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
-from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, OneOf, Range, Section
+from woz_tui.drivers.robot_settings import problem_at
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,10 +52,8 @@ class NaoSettings(NaoqiSettings, _Address):
         """See `NaoqiSettings.problems`; this robot has one address, which has to be one."""
         found = super().problems()
         if self.address and not any(path == "address" for path, _ in found):
-            try:
+            with problem_at("address", found):
                 parse(self.address)
-            except RejectedError as error:
-                found.append(("address", f"{error.what}; {error.remedy}"))
         return found
 
     @property

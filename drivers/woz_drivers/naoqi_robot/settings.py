@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Annotated, ClassVar, Protocol
@@ -12,8 +12,8 @@ from woz_drivers.naoqi_robot.model import RobotModel
 from woz_drivers.naoqi_robot.robot_settings import SETTINGS, NaoqiSetting, of_section
 from woz_drivers.sound.live_talk import TalkSettings
 from woz_tui.drivers.argument_values import color
-from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, Range, Seconds, Section
+from woz_tui.drivers.robot_settings import problem_at
 from woz_tui.protocol.messages import Json
 
 #: What ALAudioDevice plays, in Hz.
@@ -159,12 +159,16 @@ class NaoqiSettings(Section):
 
     def problems(self) -> list[tuple[str, str]]:
         """What no robot takes, by the setting's path."""
-        found = [*self._passwords()]
+        found: list[tuple[str, str]] = []
+        for path, robot in self.addresses.items():
+            # One that is none is told of when it is connected to, but for one with something in it
+            # that may be a password: the file goes into every log.
+            if without_password(robot) != robot:
+                with problem_at(path, found):
+                    parse(robot)
         if self.eyes:
-            try:
+            with problem_at("eyes", found):
                 color({"color": self.eyes}, "color")
-            except RejectedError as error:
-                found.append(("eyes", f"{error.what}; {error.remedy}"))
         for name, value in self.initial_values(of_section("Voice")).items():
             if isinstance(value, int | float) and not SETTINGS[name].allows(value):
                 found.append((SETTINGS[name].file, f"takes {SETTINGS[name].numbers}"))
@@ -186,15 +190,3 @@ class NaoqiSettings(Section):
             if value not in (None, ""):
                 found[setting.name] = value
         return found
-
-    def _passwords(self) -> Iterator[tuple[str, str]]:
-        """Addresses with something in them that may be a password: the file goes into every log.
-        Others that are none are told of when they are connected to.
-        """
-        for path, robot in self.addresses.items():
-            if without_password(robot) == robot:
-                continue
-            try:
-                parse(robot)
-            except RejectedError as error:
-                yield path, f"{error.what}; {error.remedy}"

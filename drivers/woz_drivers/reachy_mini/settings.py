@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated
 
 from woz_drivers.programs.simulated_process import SIMULATED, robot_place
 from woz_drivers.reachy_mini.moves import EMOTIONS, MOVES, data_set_and_name
 from woz_drivers.speech.settings import PlayedTalkSettings, SynthesisSettings
-from woz_tui.drivers.contract import RejectedError
 from woz_tui.drivers.fields import Doc, Range, Section, Sibling
-from woz_tui.drivers.robot_settings import RobotSetting
+from woz_tui.drivers.robot_settings import RobotSetting, problem_at
 
 #: Where the vendor's daemon listens unless it is told otherwise.
 PORT = 8000
@@ -104,7 +103,16 @@ class ReachyMiniSettings(Section):
         found = [(f"voice.{path}", what) for path, what in self.voice.problems()]
         if self.talk is not None:
             found += self.talk.problems(LOUDSPEAKER)
-        return [*found, *self._address_problems(), *self._recorded_problems()]
+        with problem_at("address", found):
+            _ = self.place
+        for path, moves in (("recorded", self.recorded), ("emotions", self.emotions)):
+            for name, move in moves.items():
+                if path == "emotions" and name not in EMOTIONS:
+                    known = ", ".join(EMOTIONS)
+                    found.append((f"emotions.{name}", f"there is no such emotion; {known}"))
+                with problem_at(f"{path}.{name}", found):
+                    data_set_and_name(move)
+        return found
 
     @property
     def place(self) -> str:
@@ -125,19 +133,3 @@ class ReachyMiniSettings(Section):
     def hears_speech(self) -> bool:
         """Whether it is told when somebody speaks."""
         return self.direction and not self.release_media
-
-    def _address_problems(self) -> Iterator[tuple[str, str]]:
-        try:
-            _ = self.place
-        except RejectedError as error:
-            yield "address", f"{error.what}; {error.remedy}"
-
-    def _recorded_problems(self) -> Iterator[tuple[str, str]]:
-        for path, moves in (("recorded", self.recorded), ("emotions", self.emotions)):
-            for name, move in moves.items():
-                if path == "emotions" and name not in EMOTIONS:
-                    yield f"emotions.{name}", f"there is no such emotion; {', '.join(EMOTIONS)}"
-                try:
-                    data_set_and_name(move)
-                except RejectedError as error:
-                    yield f"{path}.{name}", f"{error.what}; {error.remedy}"

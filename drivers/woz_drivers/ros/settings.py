@@ -23,6 +23,7 @@ from woz_drivers.ros.templates import TemplateError, ValuePath, fill, placeholde
 from woz_drivers.ros.verbs import BRIEF, COMMON, DERIVED, DRIVE, arguments_of
 from woz_tui.drivers.contract import Argument, RejectedError
 from woz_tui.drivers.fields import Doc, Range, Section
+from woz_tui.drivers.robot_settings import problem_at
 from woz_tui.protocol.messages import Json
 
 #: Where rosbridge listens unless it is told otherwise.
@@ -65,7 +66,10 @@ class RosSettings(Section):
 
     def problems(self) -> list[tuple[str, str]]:
         """What does not fit together, by the setting's path."""
-        return [*self._address_problems(), *self.misfits(self.known_types())]
+        found: list[tuple[str, str]] = []
+        with problem_at("address", found):
+            url(self.address)
+        return [*found, *self.misfits(self.known_types())]
 
     def warnings(self) -> list[tuple[str, str]]:
         """Verbs that go on after a stop, and scans that are read where nobody knows."""
@@ -80,12 +84,6 @@ class RosSettings(Section):
             if plain(sensor.type_) == SCAN and _counts(sensor.value)
         ]
         return lasting + by_index
-
-    def _address_problems(self) -> Iterator[tuple[str, str]]:
-        try:
-            url(self.address)
-        except RejectedError as error:
-            yield "address", f"{error.what}; {error.remedy}"
 
     # -- what a file says, compared with types -------------------------------------------------
 

@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 
 from woz_drivers.furhat.realtime_events import Access, RobotEvent, read_error, read_event
 from woz_drivers.furhat.settings import FurhatSettings
-from woz_drivers.lines.web_socket_line import WebPlace, WebSocketLine
+from woz_drivers.lines.web_robot_link import WebRobotLink
 from woz_drivers.programs.simulated_process import SIMULATED, SimulatedProcess
 from woz_tui.drivers.background import forget_outcome
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
@@ -82,7 +82,7 @@ class Exchange(Generic[E]):
             self.over.set_exception(error)
 
 
-class FurhatLink:
+class FurhatLink(WebRobotLink):
     """Keeps the connection. `get_ready` makes the robot ready once it has given access, and returns
     what is shown of it; `on_lost` is called when it is gone.
     """
@@ -95,46 +95,18 @@ class FurhatLink:
         get_ready: Callable[[], Coroutine[Any, Any, str]],
         on_lost: Callable[[], None],
     ) -> None:
+        simulated = SimulatedProcess(
+            "robot_simulators.furhat", ("--pace", f"{settings.pace:g}"), context.folder
+        )
+        shown = settings.address or SIMULATED
+        super().__init__(context, shown, simulated, settings.place, PATH)
         self._settings = settings
-        self._context = context
         self._on_lost = on_lost
         self._prepare = get_ready
         self._handlers: dict[type[RobotEvent], Callable[[Any], None]] = {}
         self._exchanges: dict[str, Exchange[Any]] = {}
         self._numbers = itertools.count(1)
         self._complaints: set[str] = set()
-        self._simulated = SimulatedProcess(
-            "robot_simulators.furhat", ("--pace", f"{settings.pace:g}"), context.folder
-        )
-        self.shown = settings.address or SIMULATED
-        self._line = WebSocketLine(
-            context,
-            self.shown,
-            self._find,
-            get_ready=self._get_ready,
-            on_message=self._take,
-            on_lost=self._lost,
-        )
-
-    @property
-    def ready(self) -> bool:
-        """Whether the robot is connected and took the settings."""
-        return self._line.ready
-
-    def need(self) -> None:
-        """Raise `DeviceLostError` with the present reason unless the robot is `ready`."""
-        if not self.ready:
-            self._line.need()
-            raise DeviceLostError(f"{self.shown} is being made ready", "try again in a moment")
-
-    def start(self) -> None:
-        """Begin to look for the robot."""
-        self._line.start()
-
-    async def close(self) -> None:
-        """Let go of the robot."""
-        await self._line.close()
-        await self._simulated.close()
 
     def on(self, kind: type[E], handler: Callable[[E], None]) -> None:
         """Have every event of this kind handled, also without a request."""
@@ -196,9 +168,6 @@ class FurhatLink:
         return await self.ask("request.auth", Access, within, **({"key": key} if key else {}))
 
     # -- the line ------------------------------------------------------------------------------
-
-    async def _find(self) -> WebPlace:
-        return WebPlace(await self._simulated.find_place(self._settings.place), PATH)
 
     async def _get_ready(self) -> str:
         if not (await self.authenticate()).access:

@@ -15,7 +15,8 @@ from typing import Any
 
 import aiohttp
 
-from woz_drivers.lines.web_socket_line import AnswerError, WebPlace, WebSocketLine
+from woz_drivers.lines.web_robot_link import WebRobotLink
+from woz_drivers.lines.web_socket_line import AnswerError
 from woz_drivers.programs.simulated_process import SimulatedProcess
 from woz_drivers.reachy_mini.moves import LIBRARIES
 from woz_drivers.reachy_mini.pose import (
@@ -63,7 +64,7 @@ class DaemonStatus:
     error: str = ""
 
 
-class DaemonLink:
+class DaemonLink(WebRobotLink):
     """One daemon, looked for until `close`.
 
     `get_ready()` is awaited after each opening, when a pose has come; `on_status()` is
@@ -80,40 +81,23 @@ class DaemonLink:
         on_status: Callable[[], None],
         on_lost: Callable[[DeviceLostError], None],
     ) -> None:
+        simulated = SimulatedProcess(
+            "robot_simulators.reachy_mini", ("--pace", f"{settings.pace:g}"), context.folder
+        )
+        shown = settings.address if settings.place else "the simulated Reachy Mini"
+        super().__init__(context, shown, simulated, settings.place, WEB_SOCKET)
         self._settings = settings
-        self._get_ready = get_ready
+        self._prepare = get_ready
         self._on_status = on_status
         self._on_lost = on_lost
         #: Set while no robot is there.
         self._gone = asyncio.Event()
-        self._simulated = SimulatedProcess(
-            "robot_simulators.reachy_mini", ("--pace", f"{settings.pace:g}"), context.folder
-        )
-        self._line = WebSocketLine(
-            context,
-            settings.address if settings.place else "the simulated Reachy Mini",
-            self._find,
-            get_ready=self._opened,
-            on_message=self._take,
-            on_lost=self._lost,
-        )
         self.status = DaemonStatus()
         self._has_media = True
         self._pose: dict[str, float] = {}
         #: Poses of the last moments with the loop time at which each came.
         self._poses: deque[tuple[float, Pose]] = deque(maxlen=32)
         self._complete = asyncio.Event()
-
-    @property
-    def ready(self) -> bool:
-        """Whether the daemon is connected and the robot's pose known."""
-        return self._line.ready
-
-    def need(self) -> None:
-        """Raises `DeviceLostError` while it is not there."""
-        self._line.need()
-        if not self.ready:
-            raise DeviceLostError("the robot is only just connected", "wait until it is ready")
 
     @property
     def pose(self) -> Pose:
@@ -126,23 +110,11 @@ class DaemonLink:
         now = asyncio.get_running_loop().time()
         return bool(self._poses) and now - self._poses[-1][0] <= RECENT_S
 
-    def start(self) -> None:
-        """Begin to look for it."""
-        self._line.start()
-
-    async def close(self) -> None:
-        """Let go of it; a simulated one ends."""
-        await self._line.close()
-        await self._simulated.close()
-
-    async def _find(self) -> WebPlace:
-        return WebPlace(await self._simulated.find_place(self._settings.place), WEB_SOCKET)
-
     def _lost(self, error: DeviceLostError) -> None:
         self._gone.set()
         self._on_lost(error)
 
-    async def _opened(self) -> str:
+    async def _get_ready(self) -> str:
         self._gone.clear()
         self._pose.clear()
         self._poses.clear()
@@ -161,7 +133,7 @@ class DaemonLink:
                 await self._complete.wait()
         except TimeoutError:
             raise DriverError("the daemon tells no pose of the robot", _REMEDY) from None
-        await self._get_ready()
+        await self._prepare()
         simulated = ", simulated" if self.status.simulated else ""
         return f"{self.status.name}, daemon {self.status.version}{simulated}"
 

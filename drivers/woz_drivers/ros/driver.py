@@ -240,7 +240,7 @@ class Ros(Driver):
 
     async def stop(self, scope: Scope) -> StopReport | None:
         """Everything at once; each verb confirms for itself."""
-        if not self._robot.line.ready:
+        if not self._robot.ready:
             moving = self._moving() if self._lost_unexpectedly else ()
             return StopReport(missing=tuple(moving)) if moving else None
         stops: dict[str, Coroutine[Any, Any, None]] = {}
@@ -263,7 +263,7 @@ class Ros(Driver):
 
     async def rest(self) -> None:
         """Stand still; poses are the robot's own affair."""
-        if self._robot.line.ready and self._base is not None:
+        if self._robot.ready and self._base is not None:
             with suppress(DriverError, TimeoutError):
                 await self._base.stop()
 
@@ -271,7 +271,7 @@ class Ros(Driver):
         """Let go; what is being done is ended."""
         first, self._closed = not self._closed, True
         await self._watch.close()
-        if first and self._robot.line.ready:
+        if first and self._robot.ready:
             with suppress(DriverError, TimeoutError):
                 async with asyncio.timeout(1.0):
                     await self._end_everything()

@@ -20,7 +20,8 @@ from typing import Any
 import aiohttp
 import msgspec
 
-from woz_drivers.lines.web_socket_line import WebPlace, WebSocketLine, resetting_connector
+from woz_drivers.lines.web_robot_link import WebRobotLink
+from woz_drivers.lines.web_socket_line import WebPlace, resetting_connector
 from woz_drivers.programs.simulated_process import SIMULATED, SimulatedProcess
 from woz_drivers.ros.message_types import plain, wire_name
 from woz_drivers.ros.settings import RosSettings, shown, url
@@ -92,7 +93,7 @@ class SentGoal:
 Handler = Callable[[Mapping[str, Any]], None]
 
 
-class Rosbridge:
+class Rosbridge(WebRobotLink):
     """One robot. Made in the event loop; begins with `start`, ends with `close`.
 
     `get_ready` is awaited after each opening, once the server has answered and everything is
@@ -109,26 +110,15 @@ class Rosbridge:
         get_ready: Callable[[], Awaitable[str]],
         on_lost: Callable[[DeviceLostError], None],
     ) -> None:
+        process = SimulatedProcess("robot_simulators.rosbridge", tuple(simulated), context.folder)
+        super().__init__(context, shown(settings.address), process)
         self._settings = settings
-        self._context = context
         self._ros = settings.ros
-        self.shown = shown(settings.address)
-        self._url = url(settings.address)
-        self._simulated = SimulatedProcess(
-            "robot_simulators.rosbridge", tuple(simulated), context.folder
-        )
         self._robot_ready = get_ready
         self._robot_lost = on_lost
-        self.line = WebSocketLine(
-            context,
-            self.shown,
-            self._find,
-            get_ready=self._get_ready,
-            on_message=self._arrived,
-            on_lost=self._lost,
-        )
+        self._url = url(settings.address)
         #: The server's address as the line found it last.
-        self._place = ""
+        self._found = ""
         #: Loop time at which anything came from the robot last.
         self._heard = float("-inf")
         self._advertised: dict[str, str] = {}
@@ -181,15 +171,11 @@ class Rosbridge:
 
         self.subscribe(f"{action}/_action/status", "action_msgs/GoalStatusArray", on_status)
 
-    def start(self) -> None:
-        """Begin to look for the robot."""
-        self.line.start()
-
     async def close(self) -> None:
         """Let go of the robot."""
         await self._background.close(0.0)
         self._forget(DeviceLostError("the robot's driver is closed"))
-        await self.line.close()
+        await self._line.close()
         self._hang_up()
         await self._closing.settled()
         await self._simulated.close()
@@ -199,12 +185,6 @@ class Rosbridge:
         broken off by `close` only: what it sends after a loss raises `DeviceLostError`.
         """
         return self._background.start(work)
-
-    def need(self) -> None:
-        """Raise `DeviceLostError` unless the robot is there and ready."""
-        self.line.need()
-        if not self.line.ready:
-            raise DeviceLostError(f"{self.shown} is not ready yet", "wait until it is")
 
     async def unless_lost(self, work: Coroutine[Any, Any, None]) -> None:
         """Wait for `work`. Raises `DeviceLostError` when the robot goes meanwhile."""
@@ -224,21 +204,21 @@ class Rosbridge:
         not lie in a robot that is frozen. Raises `DriverError`.
         """
         if asyncio.get_running_loop().time() - self._heard > _JUST_NOW_S:
-            await self.line.probe(within)
+            await self._line.probe(within)
 
     async def _find(self) -> WebPlace:
-        self._place = self._url or f"ws://{await self._simulated.address()}/"
-        secure, _, rest = self._place.partition("://")
+        self._found = self._url or f"ws://{await self._simulated.address()}/"
+        secure, _, rest = self._found.partition("://")
         host, slash, path = rest.partition("/")
         return WebPlace(host, slash + path, secure == "wss")
 
     async def _get_ready(self) -> str:
         for topic, kind in self._advertised.items():
-            await self.line.send(
+            await self._line.send(
                 {"op": "advertise", "id": f"advertise {topic}", "topic": topic, "type": kind}
             )
         for topic, (kind, throttle_s) in self._subscribed.items():
-            await self.line.send(
+            await self._line.send(
                 {
                     "op": "subscribe",
                     "id": f"subscribe {topic}",
@@ -285,7 +265,7 @@ class Rosbridge:
 
     # -- messages --------------------------------------------------------------------------------
 
-    def _arrived(self, message: Any) -> None:
+    def _take(self, message: Any) -> None:
         self._heard = asyncio.get_running_loop().time()
         if not isinstance(message, dict):
             raise ValueError(f"no operation: {message!r:.80}")
@@ -317,7 +297,7 @@ class Rosbridge:
 
     async def publish(self, topic: str, message: Json) -> None:
         """Publish a message. Raises `DeviceLostError`."""
-        await self.line.send({"op": "publish", "topic": topic, "msg": message})
+        await self._line.send({"op": "publish", "topic": topic, "msg": message})
 
     async def wait_until_processed(self, within: float = 1.0) -> None:
         """Return when the server has carried out everything that was sent over the line.
@@ -329,7 +309,7 @@ class Rosbridge:
         answer = self._waiting[ident] = asyncio.get_running_loop().create_future()
         try:
             async with asyncio.timeout(within):
-                await self.line.send({"op": "call_service", "id": ident, "service": _NO_SERVICE})
+                await self._line.send({"op": "call_service", "id": ident, "service": _NO_SERVICE})
                 await answer
         finally:
             self._waiting.pop(ident, None)
@@ -343,14 +323,14 @@ class Rosbridge:
             DeviceLostError: The robot is not there, or was lost meanwhile.
             DriverError: It takes no further connection.
         """
-        self.line.need()
+        self._line.need()
         if self._session is None:
             self._session = aiohttp.ClientSession(connector=resetting_connector())
         session = self._session
         try:
             async with asyncio.timeout(_CONNECT_S):
                 opened = await session.ws_connect(
-                    self._place,
+                    self._found,
                     max_msg_size=1 << 26,
                     timeout=aiohttp.ClientWSTimeout(ws_close=0.1),
                 )
@@ -366,7 +346,7 @@ class Rosbridge:
     async def _trouble(self, session: aiohttp.ClientSession | None, what: str) -> DriverError:
         """What happened to a connection of `session`: a loss of the robot, if that is lost."""
         try:
-            await self.line.probe()
+            await self._line.probe()
         except DeviceLostError as error:
             return error
         if self._session is not session:
@@ -403,11 +383,11 @@ class Rosbridge:
         """Keep a connection for the next call; on one without an answer the server may go on for
         long, so another one is made.
         """
-        if answered and not opened.closed and self._spare is None and self.line.ready:
+        if answered and not opened.closed and self._spare is None and self.ready:
             self._spare = opened
             return
         self._closing.start(opened.close())
-        if self._spare is None and self.line.ready:
+        if self._spare is None and self.ready:
             self.later(self._refill())
 
     async def _refill(self) -> None:
@@ -587,7 +567,7 @@ class Rosbridge:
         if self._ros == 1:
             await self.publish(f"{goal.action}/cancel", {"id": goal.ident})
             return
-        await self.line.send({"op": "cancel_action_goal", "id": goal.ident, "action": goal.action})
+        await self._line.send({"op": "cancel_action_goal", "id": goal.ident, "action": goal.action})
 
     async def cancel_all(self, action: str) -> None:
         """End everything that an action is doing, whoever asked for it. Raises `DriverError`."""

@@ -22,6 +22,7 @@ from woz_tui.cli.sound_session import StatusLine, add_sound, with_session
 from woz_tui.client.sound_client import SoundClient
 from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.requests import AskSound
+from woz_tui.system.wav_header import endless_header
 
 #: So much sound may wait in the pipe behind us, in seconds: the kernel makes a page of it at least.
 _WAITING_S = 0.1
@@ -30,8 +31,6 @@ LATE_S = 0.5
 #: What is written at once: a pipe that has room takes it whole.
 _PIECE = 4096
 _WIDTH = 2
-#: The length that a WAV file has whose end nobody knows.
-_ENDLESS = 0x7FFFFF00
 
 
 def add(parser: ArgumentParser) -> None:
@@ -141,7 +140,7 @@ class _Listener:
         with contextlib.suppress(OSError):  # it is no pipe
             fcntl.fcntl(self._out, fcntl.F_SETPIPE_SZ, round(_WAITING_S * heard.rate) * _WIDTH)
         if self._wav:
-            self._write(header(heard.rate))
+            self._write(endless_header(heard.rate))
 
     def _write(self, data: bytes) -> None:
         for start in range(0, len(data), _PIECE):
@@ -171,12 +170,3 @@ def _way_s(heard: SoundHeard) -> float:
     """How long it was under way; what is not known about the two clocks counts as time."""
     now_us = time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
     return max(0.0, (now_us - heard.sent_us) / 1_000_000) if heard.sent_us else 0.0
-
-
-def header(rate: int) -> bytes:
-    """Of a WAV file without an end: S16_LE, one channel."""
-    shape = struct.pack("<HHIIHH", 1, 1, rate, rate * _WIDTH, _WIDTH, 8 * _WIDTH)
-    return (
-        b"RIFF" + struct.pack("<I", _ENDLESS + 36) + b"WAVEfmt " + struct.pack("<I", len(shape))
-        + shape + b"data" + struct.pack("<I", _ENDLESS)
-    )  # fmt: skip

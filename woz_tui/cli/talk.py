@@ -11,7 +11,6 @@ import base64
 import os
 import select
 import stat
-import struct
 import sys
 import time
 from argparse import ArgumentParser, Namespace
@@ -21,6 +20,7 @@ from typing import Any
 from woz_tui.cli.sound_session import StatusLine, add_sound, with_session
 from woz_tui.client.sound_client import SoundClient, SoundEndError
 from woz_tui.protocol.requests import AskTalk, Reply
+from woz_tui.system.wav_header import is_wav, sound_begins, sound_length, wav_shape
 
 #: What is sent at once, and the most that waits, in seconds.
 _PIECE_S, _WAITING_S = 0.02, 0.2
@@ -250,42 +250,3 @@ class _Talker:
                 f"; it comes at {measured:.0f} Hz instead of {self._rate} Hz: was it recorded with"
                 f" `arecord -f S16_LE -c 1 -r {self._rate}`?"
             )
-
-
-# -- WAV ---------------------------------------------------------------------------------------
-
-
-def is_wav(head: bytes | bytearray) -> bool:
-    """Whether a WAV file begins like this."""
-    return head[:4] == b"RIFF" and head[8:12] == b"WAVE"
-
-
-def _chunk(head: bytes | bytearray, wanted: bytes) -> int | None:
-    """Where the body of this chunk begins; None: not in what has come."""
-    at = 12
-    while at + 8 <= len(head):
-        name, size = struct.unpack_from("<4sI", head, at)
-        if name == wanted:
-            return at + 8
-        at += 8 + size + size % 2
-    return None
-
-
-def sound_begins(head: bytes | bytearray) -> int | None:
-    """The byte at which a WAV file's samples begin; None: they have not come yet."""
-    return _chunk(head, b"data")
-
-
-def sound_length(head: bytes | bytearray) -> int:
-    """The bytes of samples that a WAV file says to have; 0: it does not say."""
-    at = sound_begins(head)
-    return 0 if at is None else int(struct.unpack_from("<I", head, at - 4)[0])
-
-
-def wav_shape(head: bytes | bytearray) -> tuple[int, int, int, int]:
-    """Format tag, channels, rate and bits of a WAV file; zeros if it does not say."""
-    at = _chunk(head, b"fmt ")
-    if at is None or at + 16 > len(head):
-        return 0, 0, 0, 0
-    tag, channels, rate, _, _, bits = struct.unpack_from("<HHIIHH", head, at)
-    return tag, channels, rate, bits

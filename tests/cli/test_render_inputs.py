@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from tests.cli.test_render import CALM
 from woz_tui.cli import main
 from woz_tui.cli.input_lines import input_lines
-from woz_tui.cli.render import Curve, chart, time_axis
+from woz_tui.console.drawing.curves import Curve, chart, time_axis
 from woz_tui.motion.input_script import read_inputs
 from woz_tui.motion.rendering import LONGEST_S
 

@@ -21,7 +21,7 @@ from woz_drivers.naoqi_robot.service_call import ServiceCallPart
 from woz_drivers.naoqi_robot.sounds import SoundsPart
 from woz_drivers.naoqi_robot.talk import TalkPart
 from woz_drivers.naoqi_robot.voice import VoicePart
-from woz_drivers.pepper import doctor, screen_remarks
+from woz_drivers.pepper import doctor, tablet_page
 from woz_drivers.pepper.hip import HipPart
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet import TabletPart
@@ -50,7 +50,7 @@ class Pepper(NaoqiRobot):
         *(TabletPart, AutonomyPart, SensesPart, RecognitionPart, CameraPart, MicrophonesPart),
         *(TalkPart, ServiceCallPart),
     )
-    CHECKS = text_remarks.CHECKS | {"screen": {"file": screen_remarks.shown}}
+    CHECKS = text_remarks.CHECKS | {"screen": {"file": tablet_page.written_screen}}
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

@@ -7,7 +7,6 @@ import contextlib
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from woz_drivers.naoqi_robot.link import Unsubscribe
@@ -396,7 +395,10 @@ class TabletPart(NaoqiPart):
     async def _show(self, text: str) -> None:
         """Show a file or an address. Raises `DriverError`."""
         what = kind(text)
-        address = text if is_address(text) else await self._link.files.address(self._file(text))
+        address = text
+        if not is_address(text):
+            file = found(text, self._root, self._context.folder)
+            address = await self._link.files.address(file)
         if what is PageKind.PICTURE:
             address = await self._link.files.page(page(address))
         await self._end_video()
@@ -407,9 +409,6 @@ class TabletPart(NaoqiPart):
         else:
             await self._call("showWebview", address)
         self._shows = text
-
-    def _file(self, text: str) -> Path:
-        return found(text, self._root, self._context.folder)
 
     async def _play(self, text: str, address: str) -> None:
         video = _Video(text)
@@ -494,11 +493,8 @@ class TabletPart(NaoqiPart):
     def _over(self, video: _Video) -> None:
         if self._video is video:
             self._video, self._shows = None, ""
-            self._return()
-
-    def _return(self) -> None:
-        if self._default:
-            self._returning.start(self._come_back())
+            if self._default:
+                self._returning.start(self._come_back())
 
     async def _come_back(self) -> None:
         """The default again, unless something else has been shown meanwhile."""

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import enum
 import html
+from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 from urllib.parse import urlsplit
 
 from woz_drivers.naoqi_robot.served_files import is_address
+from woz_drivers.naoqi_robot.text_remarks import WrittenValue
+from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.drivers.contract import DriverError, RejectedError
 
 #: Also what WoZ4U takes for pictures and videos; whether the tablet can show it, it says itself.
@@ -108,3 +111,18 @@ def found(text: str, root: str, folder: Path) -> Path:
         looked = " or ".join(dict.fromkeys(str(one) for one in paths))
         raise DriverError(f"there is no file {looked}", REMEDY)
     return path
+
+
+def written_screen(argument: WrittenValue) -> Iterator[tuple[str, str]]:
+    """What is odd about a `screen` in a file; `off` is the default. Raises `DriverError`."""
+    text = argument.text
+    if text.strip() in ("", "off"):
+        return
+    kind(text)
+    if is_address(text):
+        return
+    assert isinstance(argument.settings, PepperSettings)
+    paths = places(text, argument.settings.tablet.root, argument.folder)
+    if not any(path.is_file() for path in paths):
+        # Without this machine's folders, which `perform` names: warnings are shown around.
+        yield f"there is no file {text!r}", REMEDY

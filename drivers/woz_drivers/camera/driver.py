@@ -103,7 +103,10 @@ class Camera(PassiveDriver):
         if self._source is not None:
             await self._source.close()
             self._source = None
-        self._rewind()
+        self._film.clear()
+        if self._projector is not None:
+            self._projector.cancel()
+            self._projector = None
         if self._frames is not None:
             await self._frames.close()
 
@@ -147,12 +150,6 @@ class Camera(PassiveDriver):
         if self._source is not None:
             self._source.hold(len(self._film) >= _WAITING)
 
-    def _rewind(self) -> None:
-        self._film.clear()
-        if self._projector is not None:
-            self._projector.cancel()
-            self._projector = None
-
     # -- pictures ------------------------------------------------------------------------------
 
     def _look_at(self, data: bytes) -> None:
@@ -172,17 +169,13 @@ class Camera(PassiveDriver):
         self.context.health(Health.CONNECTED, f"{settings.words[0]}, {settings.shape}")
         for sensor in SENSORS:
             self.context.sensor(sensor, "ok")
-        self._publish(now_us, (x, y, size))
+        # `publish` times a second on average, as far as pictures come so often.
+        if self._may_publish(now_us / 1_000_000):
+            for sensor, value in zip(SENSORS, (x, y, size), strict=True):
+                self.context.reading(sensor, value)
         self._offer.look_at(data)
         if self._frames is not None:
             self._frames.add(data, now_us)
-
-    def _publish(self, now_us: int, values: tuple[float | None, float | None, float]) -> None:
-        """`publish` times a second on average, as far as pictures come so often."""
-        if not self._may_publish(now_us / 1_000_000):
-            return
-        for sensor, value in zip(SENSORS, values, strict=True):
-            self.context.reading(sensor, value)
 
 
 def _place(middle: float, pixels: int, turned: bool) -> float:

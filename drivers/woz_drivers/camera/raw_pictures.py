@@ -50,7 +50,9 @@ class PictureLayout:
         of a large one only every `thinned` pixel of these: the colours have to be computed.
         """
         if self.format == "yuv420":
-            return self._of_planes(np.frombuffer(data, np.uint8))
+            bright, u, v = self._planes(np.frombuffer(data, np.uint8))
+            step, half = self.thinned, self.thinned // 2
+            return _colours(bright[::step, ::step], u[::half, ::half], v[::half, ::half])
         rows = np.frombuffer(data, np.uint8).reshape(self.height, self.stride)
         picture = rows[:, : 3 * self.width].reshape(self.height, self.width, 3)
         return picture[:, :, ::-1] if self.format == "bgr24" else picture
@@ -113,12 +115,6 @@ class PictureLayout:
         bright = data[:whole].reshape(self.height, self.stride)[:, : self.width]
         u, v = data[whole:].reshape(2, rows, self._half_stride)[:, :, : self._half_width]
         return bright, u, v
-
-    def _of_planes(self, data: Plane) -> Picture:
-        bright, u, v = self._planes(data)
-        step = self.thinned
-        half = step // 2
-        return _colours(bright[::step, ::step], u[::half, ::half], v[::half, ::half])
 
 
 def _red_green_blue(bright: Plane, u: Plane, v: Plane) -> tuple[Colours, Colours, Colours]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from woz_drivers.faces.face_networks import Floats, FoundBox, FoundFace, PictureSampler
+from woz_drivers.faces.face_networks import Floats, FoundFace, PictureSampler
 
 #: Points of the mesh: the sides of the face before the ears (left one in the picture first), the
 #: top of the forehead, the chin.
@@ -49,7 +49,8 @@ class FacePose:
 def pose_of(face: FoundFace) -> FacePose:
     """What the points say."""
     if face.mesh is None:
-        return FacePose(_box_width(face.box) / _BOX_BY_FACE, roll=float(np.degrees(face.box.tilt)))
+        width = float(face.box.box[2] - face.box.box[0])
+        return FacePose(width / _BOX_BY_FACE, roll=float(np.degrees(face.box.tilt)))
     side = face.mesh[_SIDES[1]] - face.mesh[_SIDES[0]]
     tilt = float(np.arctan2(side[1], side[0]))
     ahead, width = _ahead(_upright(face.mesh, tilt))
@@ -66,10 +67,6 @@ def points_of(mesh: Floats) -> list[tuple[float, float]]:
     """
     eyes = [(mesh[first, :2] + mesh[last, :2]) / 2 for first, last in _CORNERS]
     return [(float(x), float(y)) for x, y in (*eyes, mesh[_NOSE, :2], *mesh[list(_MOUTH), :2])]
-
-
-def _box_width(box: FoundBox) -> float:
-    return float(box.box[2] - box.box[0])
 
 
 def _upright(mesh: Floats, tilt: float) -> Floats:

@@ -68,7 +68,8 @@ class FaceRecogniser:
                 known = likeness >= self._alike
                 return {"name": name if known else "", "likeness": round(likeness, 3)}
             case "take":
-                self._take(self._template(request), anew=bool(request.get("anew")))
+                before = [] if request.get("anew") else self._taken
+                self._taken = [*before, self._template(request)][-_MOST:]
             case "learn":
                 self._learn(*(str(request[key]) for key in ("name", "consented", "log")))
             case "forget":
@@ -97,9 +98,6 @@ class FaceRecogniser:
     def _nearest(self, template: Template) -> tuple[str, float]:
         found = self._likeness(template)
         return max(found.items(), key=lambda one: one[1], default=("", 0.0))
-
-    def _take(self, template: Template, *, anew: bool) -> None:
-        self._taken = [*([] if anew else self._taken), template][-_MOST:]
 
     def _learn(self, name: str, consented: str, log: str) -> None:
         """Raises `DriverError`: it was not learnt."""

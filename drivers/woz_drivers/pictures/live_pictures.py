@@ -71,17 +71,14 @@ class LivePictures:
                     await show(wish)
                     pause_s = max(0.0, begun + 1 / wish.rate - loop.time())
                 except DriverError as error:
-                    self._tell(error)
                     pause_s, wish = _TROUBLED_S, None
+                    if not isinstance(error, DeviceLostError) and self._trouble != error.what:
+                        self._trouble = error.what
+                        text = f"no camera picture: {error.what}"
+                        self._context.notice("warning", text, error.remedy)
             if wish is None and let_go is not None:
                 await let_go()
             await asyncio.sleep(pause_s)
-
-    def _tell(self, error: DriverError) -> None:
-        if not isinstance(error, DeviceLostError) and self._trouble != error.what:
-            self._trouble = error.what
-            text = f"no camera picture: {error.what}"
-            self._context.notice("warning", text, error.remedy)
 
 
 async def kept_picture(

@@ -79,7 +79,10 @@ class BodySettings(BodyShape):
 
     def problems(self) -> list[tuple[str, str]]:
         """What does not fit together: pairs of a setting's path and a sentence."""
-        found = [*BodyShape.problems(self), *self._joint_names(), *self._angle_problems()]
+        found = [*BodyShape.problems(self), *self._joint_names()]
+        poses = {f"poses.{name}": pose for name, pose in self.poses.items()}
+        for path, pose in {**poses, "rest": self.rest}.items():
+            found += pose_problems(path, pose, self.joints)
         # Move files name joints, so they are read only where the joints are right.
         return found or [*self._name_problems()]
 
@@ -112,11 +115,6 @@ class BodySettings(BodyShape):
                     f"joints.{name}",
                     f"every body has a control {name!r}; choose another name for the joint",
                 )
-
-    def _angle_problems(self) -> Iterator[tuple[str, str]]:
-        poses = {f"poses.{name}": pose for name, pose in self.poses.items()}
-        for path, pose in {**poses, "rest": self.rest}.items():
-            yield from pose_problems(path, pose, self.joints)
 
     def _name_problems(self) -> Iterator[tuple[str, str]]:
         if self.moves and not pathlib.Path(self.moves).is_dir():

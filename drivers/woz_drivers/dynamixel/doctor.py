@@ -103,10 +103,12 @@ def _servos(wire: ServoWire, settings: ServoSettings) -> Iterator[Finding]:
     for name, joint in settings.joints.items():
         yield from _joint(wire, settings, name, joint, found.get(joint.id))
     for servo in sorted(set(found) - set(ids)):
+        model = control_tables.by_number(settings.protocol, found[servo])
+        called = f"a {model.name}" if model is not None else f"model number {found[servo]}"
         yield Finding(
             "warning",
             f"id {servo}",
-            f"{_called(settings.protocol, found[servo])} answers, but no joint has this id",
+            f"{called} answers, but no joint has this id",
             "give it to a joint, or take it off the wire",
         )
     missing = [servo for servo in ids if servo not in found]
@@ -290,8 +292,3 @@ def _elsewhere(settings: ServoSettings, missing: list[int]) -> Iterator[Finding]
                 f"at {baud} baud these ids answer: {', '.join(map(str, there))}",
                 "set `baud` to that, or change the servos' speed with the maker's tool",
             )
-
-
-def _called(protocol: int, number: int) -> str:
-    model = control_tables.by_number(protocol, number)
-    return f"a {model.name}" if model is not None else f"model number {number}"

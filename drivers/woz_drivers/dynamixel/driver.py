@@ -12,7 +12,7 @@ from woz_drivers.dynamixel.body_following import BodyFollower
 from woz_drivers.dynamixel.chain import PROBE_S, PlannedMove, ServoChain
 from woz_drivers.dynamixel.doctor import examine
 from woz_drivers.dynamixel.port_loop import Action, ServoLoop
-from woz_drivers.dynamixel.servo import Servo, ServoStatus
+from woz_drivers.dynamixel.servo import ServoStatus
 from woz_drivers.dynamixel.setpoint_planning import Keyframe, MotionPlan
 from woz_drivers.dynamixel.settings import ServoSettings
 from woz_tui.drivers.contract import (
@@ -295,7 +295,12 @@ class DynamixelServos(Driver):
 
         def limp(chain: ServoChain, _now: float) -> None:
             # Those believed limp as well: the answer to `torque: on` may have been lost.
-            held = [name for name in names if _may_hold(chain.servos[name])]
+            servos = chain.servos
+            held = [
+                name
+                for name in names
+                if servos[name].torque or servos[name].status is ServoStatus.READY
+            ]
             failed = chain.set_torque(held, on=False)
             if failed:
                 text, _ = _joint_troubles(failed)
@@ -335,10 +340,6 @@ def _named(job: Job) -> list[str]:
     """The one joint that a command names, if it names one."""
     name = job.args.get("joint")
     return [name] if name else []
-
-
-def _may_hold(servo: Servo) -> bool:
-    return servo.torque or servo.status is ServoStatus.READY
 
 
 def _sent(plan: MotionPlan, move: PlannedMove) -> dict[str, Any]:

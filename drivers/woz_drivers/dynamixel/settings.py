@@ -103,8 +103,7 @@ class ServoSettings(Section):
             *self._joint_problems(),
             *self._id_problems(),
             *self._role_problems(),
-            *self._pose_problems(),
-            *self._move_problems(),
+            *self._pose_and_move_problems(),
             *self._follow_problems(),
         ]
 
@@ -164,15 +163,14 @@ class ServoSettings(Section):
     def _role_problems(self) -> Iterator[tuple[str, str]]:
         for role, name in (("pan", self.pan), ("tilt", self.tilt)):
             if name and name not in self.joints:
-                yield role, self._unknown(name)
+                there = ", ".join(sorted(self.joints))
+                yield role, f"no joint is called {name!r}; there are {there}"
         if self.pan and self.pan == self.tilt:
             yield "tilt", f"{self.tilt!r} is the pan joint already"
 
-    def _pose_problems(self) -> Iterator[tuple[str, str]]:
+    def _pose_and_move_problems(self) -> Iterator[tuple[str, str]]:
         for name, pose in self.poses.items():
             yield from pose_problems(f"poses.{name}", pose, self.joints)
-
-    def _move_problems(self) -> Iterator[tuple[str, str]]:
         for name, frames in self.moves.items():
             path = f"moves.{name}"
             if name in self.poses:
@@ -195,6 +193,3 @@ class ServoSettings(Section):
         for name in ("pan", "tilt", "poses", "moves"):
             if getattr(self, name):
                 yield name, f"does nothing: the joints follow {self.follows!r}, which has the verbs"
-
-    def _unknown(self, name: str) -> str:
-        return f"no joint is called {name!r}; there are {', '.join(sorted(self.joints))}"

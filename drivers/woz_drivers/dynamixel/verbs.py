@@ -121,10 +121,11 @@ def _move(settings: ServoSettings, args: Args) -> list[Keyframe]:
         frames = settings.moves[name]
     else:
         frames = [{**settings.poses[name], SECONDS: POSE_SECONDS}]
+    homes = {joint: each.home for joint, each in settings.joints.items()}
     return [
         Keyframe(
             {
-                joint: _scaled(settings, joint, angle, args["amplitude"])
+                joint: homes[joint] + args["amplitude"] * (angle - homes[joint])
                 for joint, angle in frame.items()
                 if joint != SECONDS
             },
@@ -132,8 +133,3 @@ def _move(settings: ServoSettings, args: Args) -> list[Keyframe]:
         )
         for frame in frames
     ]
-
-
-def _scaled(settings: ServoSettings, joint: str, angle: float, amplitude: float) -> float:
-    home = settings.joints[joint].home
-    return home + amplitude * (angle - home)

@@ -39,11 +39,15 @@ async def examine(probe: Probe) -> list[Finding]:
     simulated = SimulatedProcess("robot_simulators.furhat", (), probe.folder)
     try:
         place = await simulated.find_place(settings.place)
-        return [*await _robot(probe.name, settings, place), *_decoder(probe.name)]
+        findings = await _robot(probe.name, settings, place)
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
     finally:
         await simulated.close()
+    if importlib.util.find_spec("PIL") is None:
+        text = "its camera's pictures can be kept, but not shown: the package pillow is missing"
+        findings.append(Finding("info", probe.name, text, install_command("furhat")))
+    return findings
 
 
 async def _robot(name: str, settings: FurhatSettings, place: str) -> list[Finding]:
@@ -119,10 +123,3 @@ def _listed(
             "error", subject, f"has no {what} {wanted!r}", did_you_mean(wanted, sorted(every)[:40])
         )
     return Finding("ok", subject, f"{what} {has or 'unknown'}, one of {len(every)}")
-
-
-def _decoder(subject: str) -> list[Finding]:
-    if importlib.util.find_spec("PIL") is not None:
-        return []
-    text = "its camera's pictures can be kept, but not shown: the package pillow is missing"
-    return [Finding("info", subject, text, install_command("furhat"))]

@@ -10,7 +10,7 @@ import math
 
 from woz_drivers.furhat.head import FurhatHead, direction_of
 from woz_drivers.furhat.link import FurhatLink, FurhatPart
-from woz_drivers.furhat.realtime_events import AudioData, DetectedUser, Place, UsersData
+from woz_drivers.furhat.realtime_events import AudioData, DetectedUser, UsersData
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.sound import pcm_audio
 from woz_tui.drivers.background import Background
@@ -184,9 +184,5 @@ def _metres(user: DetectedUser) -> float:
         found = user.distance
     else:
         place = user.place
-        found = _REACH_M if place is None else _length(place)
+        found = _REACH_M if place is None else math.hypot(place.x, place.y, place.z)
     return found if 0 < found < _REACH_M else _REACH_M
-
-
-def _length(place: Place) -> float:
-    return math.hypot(place.x, place.y, place.z)

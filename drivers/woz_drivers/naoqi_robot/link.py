@@ -146,14 +146,10 @@ async def open_link(
     except errors.QiError as error:
         if watch.refused:
             raise wrong_certificate(address, watch.fingerprint) from None
-        raise _not_opened(address, error, secret) from None
+        cause = error.__cause__
+        number = cause.errno if isinstance(cause, OSError) else None
+        raise unreachable(address, number, secret.hidden_in(str(error))) from None
     return NaoqiLink(client, watch.fingerprint)
-
-
-def _not_opened(address: Address, error: errors.QiError, secret: Secret) -> DeviceLostError:
-    cause = error.__cause__
-    number = cause.errno if isinstance(cause, OSError) else None
-    return unreachable(address, number, secret.hidden_in(str(error)))
 
 
 def _keep_nothing_unsent(connected: socket.socket) -> None:

@@ -120,7 +120,11 @@ class SettingsReader:
                 values |= found
             elif not isinstance(found, DriverError):
                 self._complain(part.name, found)
-        return {name: _steady(name, value) for name, value in values.items()}
+        # Rounded, so that small changes are not published: a battery never stands still.
+        return {
+            name: round(value, 2 if name == "battery" else 3) if isinstance(value, float) else value
+            for name, value in values.items()
+        }
 
     def _robot(self) -> str:
         """As the robot file writes it, where it does."""
@@ -152,13 +156,6 @@ def _names(settings: NaoqiSettings) -> dict[str, str]:
         with contextlib.suppress(RejectedError):
             names[parse(text).shown] = text
     return names
-
-
-def _steady(name: str, value: Json) -> Json:
-    """Rounded, so that small changes are not published: a battery never stands still."""
-    if not isinstance(value, float):
-        return value
-    return round(value, 2 if name == "battery" else 3)
 
 
 # -- what was asked for ----------------------------------------------------------------------------

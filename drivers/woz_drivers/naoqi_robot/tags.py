@@ -88,23 +88,13 @@ def placed(text: str) -> list[tuple[int, str]]:
 
     Where `contract.UNKNOWN` stands in a tag or right behind it, nobody knows how it will read.
     """
-    return [*_voice_problems(text), *_move_problems(text)]
-
-
-def _tags(pattern: re.Pattern[str], text: str) -> Iterator[re.Match[str]]:
-    for match in pattern.finditer(text):
-        if UNKNOWN not in text[match.start() : match.end() + 1]:
-            yield match
-
-
-def _voice_problems(text: str) -> Iterator[tuple[int, str]]:
-    for match in _tags(_VOICE, text):
-        yield from ((match.start(), sentence) for sentence in _of_voice(match))
-
-
-def _move_problems(text: str) -> Iterator[tuple[int, str]]:
-    for match in _tags(_MOVE, text):
-        yield from ((match.start(), sentence) for sentence in _of_body(match))
+    return [
+        (match.start(), sentence)
+        for pattern, judged in ((_VOICE, _of_voice), (_MOVE, _of_body))
+        for match in pattern.finditer(text)
+        if UNKNOWN not in text[match.start() : match.end() + 1]
+        for sentence in judged(match)
+    ]
 
 
 def _of_voice(match: re.Match[str]) -> Iterator[str]:

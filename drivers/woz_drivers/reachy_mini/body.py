@@ -349,7 +349,9 @@ class ReachyBody:
         twitch_in = self._pause_before_twitch()
         async for elapsed in _ticks(self._settings.pace):
             held = self._link.status.motors == "enabled"
-            self._tell_body(held)
+            pose = self._link.pose
+            stiff = frozenset(pose if held else ())
+            self._present.put(JointPositions(self._context.clock.now_us(), pose, stiff))
             wanted = self._followed_pose()
             if wanted is None or self._stopped or self._moves or not held:
                 joints = {}
@@ -384,12 +386,6 @@ class ReachyBody:
         if "body" not in named:
             pose["body"] = reachable({"pan": pose["pan"]}, {**pose, "body": 0.0})["body"]
         return {name: at + self._posture.get(name, 0.0) for name, at in pose.items()}
-
-    def _tell_body(self, held: bool) -> None:
-        pose = self._link.pose
-        self._present.put(
-            JointPositions(self._context.clock.now_us(), pose, frozenset(pose if held else ()))
-        )
 
     def _pause_before_twitch(self) -> float:
         each_minute = self._settings.twitches

@@ -310,13 +310,10 @@ class ReachyMotion(ReachyPart):
         name = job.args["move"]
         if name in self._settings.recorded:
             return {"move": name, **await self._play_recorded(self._settings.recorded[name])}
-        return {"move": name, **await self._own_move(job, name)}
-
-    async def _own_move(self, job: Job, name: str) -> Sent:
-        how = self._gesture({**job.args, "move": name})
+        how = self._gesture(job.args)
         job.expects(self._body.gesture_s(*how))
         seconds = await self._body.gesture(*how)
-        return {"seconds": round(seconds, 3), "amplitude": job.args["amplitude"]}
+        return {"move": name, "seconds": round(seconds, 3), "amplitude": job.args["amplitude"]}
 
     def _gesture(self, args: Mapping[str, Any]) -> tuple[Sequence[PoseFrame], Pose, float, float]:
         return MOVES[args["move"]], self._body.pose, args["amplitude"], args["speed"]

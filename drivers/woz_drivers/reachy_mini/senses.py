@@ -192,21 +192,19 @@ class ReachySenses(ReachyPart):
             case {"face_target": {"detected": bool(detected), **where}}:
                 x, y = finite_number(where.get("x")), finite_number(where.get("y"))
                 seen = detected and x is not None and y is not None
+                if not seen:
+                    x = y = None
                 self._state(FACE[0], "ok")
-                self._context.reading(FACE[0], float(seen))
-                self._context.reading(FACE[1], x if seen else None)
-                self._context.reading(FACE[2], y if seen else None)
-                self._tell_body(x if seen else None, y if seen else None)
+                for sensor, value in zip(FACE, (float(seen), x, y), strict=True):
+                    self._context.reading(sensor, value)
+                # For a body whose `camera` this driver is.
+                self._frame += 1
+                self._seen.put(Sighting(self._context.clock.now_us(), self._frame, x, y))
             case other:
                 raise DriverError(f"the tracked face is {repr(other)[:60]}")
 
     def _unseen(self, state: str, why: str) -> None:
         self._state(FACE[0], state, why)
-
-    def _tell_body(self, x: float | None, y: float | None) -> None:
-        """For a body whose `camera` this driver is."""
-        self._frame += 1
-        self._seen.put(Sighting(self._context.clock.now_us(), self._frame, x, y))
 
     def _state(self, sensor: str, state: str, why: str = "") -> None:
         if self._states.get(sensor) != state:

@@ -114,8 +114,14 @@ class ReachySounds(ReachyPart):
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
         """How long speech and sounds are; speech is made ready for that."""
-        if verb in ("say", "sound"):
-            return Forecast(await self._seconds(verb, args))
+        match verb:
+            case "say":
+                text = spoken_text(str(args["text"]))
+                made = await self._synthesis.utterance(text, self._choice(args))
+                return Forecast(made.sound.seconds)
+            case "sound":
+                file = self._context.folder / str(args["file"])
+                return Forecast((await asyncio.to_thread(read_wav, file)).seconds)
         return Forecast()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -175,12 +181,6 @@ class ReachySounds(ReachyPart):
         file = str(job.args["file"])
         wav = await asyncio.to_thread(read_wav, self._context.folder / Path(file))
         return {"file": file} | await self._play(job, wav)
-
-    async def _seconds(self, verb: str, args: Mapping[str, Any]) -> float:
-        if verb == "say":
-            text = spoken_text(str(args["text"]))
-            return (await self._synthesis.utterance(text, self._choice(args))).sound.seconds
-        return (await asyncio.to_thread(read_wav, self._context.folder / str(args["file"]))).seconds
 
     def _choice(self, args: Mapping[str, Any]) -> VoiceChoice:
         return self._voice.choice().changed(args)

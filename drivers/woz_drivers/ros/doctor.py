@@ -228,7 +228,8 @@ def _drafted(settings: RosSettings, found: Survey) -> Iterator[str]:
     if base:
         chosen = min(base, key=lambda name: (not name.endswith("cmd_vel"), len(name)))
         odometry = [name for name, kind in topics.items() if kind == "nav_msgs/Odometry"]
-        yield f"    drive:{_others(base, chosen)}"
+        others = ", ".join(name for name in base if name != chosen)
+        yield f"    drive:{f'             # or {others}' if others else ''}"
         yield f"      topic: {chosen}"
         yield f"      type: {topics[chosen]}"
         yield "      speed: 0.1        # m/s: begin slowly"
@@ -241,11 +242,6 @@ def _drafted(settings: RosSettings, found: Survey) -> Iterator[str]:
     verbs = [*_drafted_verbs(found, topics)]
     yield "    verbs:" if any("#" not in line for line in verbs) else "    verbs: {}"
     yield from verbs
-
-
-def _others(names: list[str], chosen: str) -> str:
-    others = [name for name in names if name != chosen]
-    return f"             # or {', '.join(others)}" if others else ""
 
 
 def _drafted_sensors(topics: dict[str, str]) -> Iterator[str]:
@@ -288,14 +284,10 @@ def _drafted_verbs(found: Survey, topics: dict[str, str]) -> Iterator[str]:
         yield f"      #   message: {_template(part, found.types)}"
     for service, kind in sorted(found.services.items()):
         if kind:
-            yield f"      # {_verb_of(service)}:"
+            yield f"      # {service.strip('/').replace('/', '_').lower()}:"
             yield f"      #   service: {service}"
             yield f"      #   type: {plain(kind)}"
             yield f"      #   message: {_template(f'{plain(kind)}_Request', found.types)}"
-
-
-def _verb_of(name: str) -> str:
-    return name.strip("/").replace("/", "_").lower()
 
 
 def _template(kind: str, types: MessageTypes) -> str:

@@ -13,7 +13,6 @@ from woz_drivers.ros import doctor, simulated_interface
 from woz_drivers.ros.declarations import (
     EndDeclaration,
     SensorDeclaration,
-    StopDeclaration,
     VerbDeclaration,
 )
 from woz_drivers.ros.rosbridge import Rosbridge, ServiceFailedError
@@ -241,8 +240,11 @@ class Ros(Driver):
     async def stop(self, scope: Scope) -> StopReport | None:
         """Everything at once; each verb confirms for itself."""
         if not self._robot.ready:
-            moving = self._moving() if self._lost_unexpectedly else ()
-            return StopReport(missing=tuple(moving)) if moving else None
+            if not self._lost_unexpectedly:
+                return None
+            driving = () if self._base is None else ("driving",)
+            moving = (*driving, *sorted(self._leftovers()))
+            return StopReport(missing=moving) if moving else None
         stops: dict[str, Coroutine[Any, Any, None]] = {}
         if self._base is not None:
             stops["driving"] = self._base.stop()
@@ -257,9 +259,6 @@ class Ros(Driver):
     def _leftovers(self) -> frozenset[str]:
         """What may be going on since the line was lost."""
         return frozenset(name for name, verb in self._declared.items() if verb.may_go_on)
-
-    def _moving(self) -> list[str]:
-        return [*(["driving"] if self._base is not None else []), *sorted(self._leftovers())]
 
     async def rest(self) -> None:
         """Stand still; poses are the robot's own affair."""
@@ -515,16 +514,13 @@ class DeclaredVerb:
         declared = self._declared
         if declared.action:
             await self._robot.cancel_all(declared.action)
-        elif declared.stop is not None:
-            await _send(self._robot, declared.stop)
-
-
-async def _send(robot: Rosbridge, stop: StopDeclaration) -> None:
-    if stop.publish:
-        await robot.publish(stop.publish, fill(stop.message, {}))
-    else:
-        answer = await robot.call(stop.service, fill(stop.message, {}), 1.0)
-        _check_success(stop.service, answer)
+        elif (stop := declared.stop) is not None:
+            message = fill(stop.message, {})
+            if stop.publish:
+                await self._robot.publish(stop.publish, message)
+            else:
+                answer = await self._robot.call(stop.service, message, 1.0)
+                _check_success(stop.service, answer)
 
 
 def _check_success(name: str, answer: Json, field: str = "success") -> None:

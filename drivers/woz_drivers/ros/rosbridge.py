@@ -277,7 +277,9 @@ class Rosbridge(WebRobotLink):
                 for handler in self._handlers.get(str(message.get("topic")), ()):
                     handler(content)
             case "service_response":
-                self._answered(message)
+                waiting = self._waiting.get(str(message.get("id")))
+                if waiting is not None and not waiting.done():
+                    waiting.set_result(message)
             case "status":
                 if message.get("level") == "error":
                     self._complained(f"{message.get('msg')!s:.200}")
@@ -289,11 +291,6 @@ class Rosbridge(WebRobotLink):
         if words not in self._complaints and len(self._complaints) < _MOST_COMPLAINTS:
             self._complaints.add(words)
             self._context.notice("warning", f"rosbridge says: {words}")
-
-    def _answered(self, message: Mapping[str, Any]) -> None:
-        waiting = self._waiting.get(str(message.get("id")))
-        if waiting is not None and not waiting.done():
-            waiting.set_result(message)
 
     async def publish(self, topic: str, message: Json) -> None:
         """Publish a message. Raises `DeviceLostError`."""

@@ -17,13 +17,11 @@ def examine(subject: str, settings: HandsSettings) -> list[Finding]:
         text, remedy = "no control does anything", "see docs/how-to/hands.md"
         return [Finding("warning", subject, text, remedy)]
     found = _gamepads(subject) if settings.device == GAMEPAD else _decks(subject)
-    used = f"{len(settings.controls)} controls do something"
-    return [Finding("ok", subject, used), *(found or [_none(subject, settings.device)])]
-
-
-def _none(subject: str, device: str) -> Finding:
-    text = f"no {device} is plugged in at this computer"
-    return Finding("info", subject, text, "woz hands --to ROBOT reads one of the wizard's computer")
+    if not found:
+        text = f"no {settings.device} is plugged in at this computer"
+        remedy = "woz hands --to ROBOT reads one of the wizard's computer"
+        found = [Finding("info", subject, text, remedy)]
+    return [Finding("ok", subject, f"{len(settings.controls)} controls do something"), *found]
 
 
 def _gamepads(subject: str) -> list[Finding]:

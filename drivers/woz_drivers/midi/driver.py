@@ -9,7 +9,7 @@ from typing import Any
 from woz_drivers.midi import doctor
 from woz_drivers.midi.devices import MidiPort
 from woz_drivers.midi.learning import MapLearning, begin_learning, map_text
-from woz_drivers.midi.panel_layouts import LAYOUTS, MidiSignal, PanelModel
+from woz_drivers.midi.panel_layouts import LAYOUTS, PanelModel
 from woz_drivers.midi.resolved_map import PanelSignals, mapped_controls, signal_of
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import (
@@ -187,10 +187,7 @@ class PanelLights:
             on = name in names
             if self._shown.get(name) is not on:
                 self._shown[name] = on
-                out += self._switch(signal, on)
+                channel = self._layout.lamp_channel or signal.channel or 1
+                make = note_on if signal.kind == NOTE else control_change
+                out += make(channel, signal.number, _ON if on else _OFF)
         return bytes(out)
-
-    def _switch(self, signal: MidiSignal, on: bool) -> bytes:
-        channel = self._layout.lamp_channel or signal.channel or 1
-        make = note_on if signal.kind == NOTE else control_change
-        return make(channel, signal.number, _ON if on else _OFF)

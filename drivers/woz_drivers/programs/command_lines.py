@@ -129,12 +129,8 @@ def find(program: str, folder: Path) -> str:
         raise ProgramMissingError(f"{path} does not exist", "check the path in the robot file")
     found = shutil.which(program)
     if found is None:
-        raise ProgramMissingError(f"{program} is not installed on this machine", _remedy(program))
+        remedy = f"install {program}, or name another program in the robot file"
+        if (package := PACKAGES.get(program)) is not None:
+            remedy = f"sudo apt install {package}"
+        raise ProgramMissingError(f"{program} is not installed on this machine", remedy)
     return found
-
-
-def _remedy(program: str) -> str:
-    package = PACKAGES.get(program)
-    if package is not None:
-        return f"sudo apt install {package}"
-    return f"install {program}, or name another program in the robot file"

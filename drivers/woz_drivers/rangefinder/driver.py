@@ -113,13 +113,9 @@ class Rangefinder(PassiveDriver):
                 continue
             now = self.context.clock.now_us()
             if now - self._counted_us >= _COUNT_US:
-                self._publish_rate((now - self._counted_us) / 1_000_000)
-                self._counted_us = now
+                accepted, seconds = self._reader.accepted, (now - self._counted_us) / 1_000_000
+                self.context.reading(RATE, (accepted - self._counted) / seconds, unit="Hz")
+                self.context.reading(BAD, float(self._reader.bad))
+                self._counted, self._counted_us = accepted, now
             if now - self._valid_us >= self.settings.stale_after * 1_000_000:
                 self.context.sensor(SENSOR, "stale", "; ".join(self._reader.no_distance()))
-
-    def _publish_rate(self, seconds: float) -> None:
-        accepted = self._reader.accepted
-        self.context.reading(RATE, (accepted - self._counted) / seconds, unit="Hz")
-        self.context.reading(BAD, float(self._reader.bad))
-        self._counted = accepted

@@ -352,7 +352,9 @@ class Speech(Driver):
                 now_us = clock.now_us()
                 if not heard_us:
                     heard_us = now_us
-                    self._publish_delay(utterance, (heard_us - asked_us) / 1_000_000)
+                    if self.settings.resident_voice and utterance.source == "synthesised":
+                        delay_s = round((heard_us - asked_us) / 1_000_000, 2)
+                        self.context.reading(SYNTHESISER, delay_s, unit="s")
                 begin = (now_us - heard_us) / 1_000_000
                 words += [
                     [one.word, round(begin + one.begin, 3), round(begin + one.end, 3)]
@@ -374,10 +376,6 @@ class Speech(Driver):
             **{"text": markup.sentence(text), "delay": round((heard_us - asked_us) / 1_000_000, 3)},
             **({"words": words} if words else {}),
         }
-
-    def _publish_delay(self, utterance: PreparedUtterance, seconds: float) -> None:
-        if self.settings.resident_voice and utterance.source == "synthesised":
-            self.context.reading(SYNTHESISER, round(seconds, 2), unit="s")
 
     def _volume_of(self, job: Job) -> float:
         wanted = job.args.get("volume")

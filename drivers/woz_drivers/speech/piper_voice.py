@@ -82,7 +82,8 @@ class PiperVoices:
         key = (model, int(request.get("speed", _USUAL_SPEED)))
         program = self._running.pop(key, None)
         if program is None:
-            program = PiperProgram(self._command, *key, self._new_folder())
+            folder = Path(tempfile.mkdtemp(dir=self._scratch.name))
+            program = PiperProgram(self._command, *key, folder)
         try:
             made = program.speak(str(request["text"]))
         except BaseException:
@@ -110,9 +111,6 @@ class PiperVoices:
             return fitting[0]
         there = ", ".join(models) or "none"
         raise ValueError(f"there is no voice {name or language!r}; there are: {there}")
-
-    def _new_folder(self) -> Path:
-        return Path(tempfile.mkdtemp(dir=self._scratch.name))
 
 
 def piper_command() -> tuple[str, ...]:

@@ -313,7 +313,9 @@ class SpeechSynthesis:
         before = ""
         for said, pause in pieces:
             if said:
-                first = self._following(len(parts[-1])) if parts else self._first_letters()
+                first = max(_SHORTEST, self._letters(_FIRST_PART_S))
+                if parts:
+                    first = self._following(len(parts[-1]))
                 parts += self._parts_of_piece(said, choice, first)
             silence = f" \\pau={pause * 1000:.0f}\\" if pause else ""
             if parts:
@@ -332,9 +334,6 @@ class SpeechSynthesis:
             if len(self._parts) > _REMEMBERED:
                 self._parts.popitem(last=False)
         return self._parts[path]
-
-    def _first_letters(self) -> int:
-        return max(_SHORTEST, self._letters(_FIRST_PART_S))
 
     def _letters(self, seconds: float) -> int:
         """How many letters can be made within this time."""

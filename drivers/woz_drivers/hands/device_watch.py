@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Collection
+import contextlib
+from collections.abc import Callable, Collection, Iterator
 from typing import Any
 
 from woz_drivers.hands.device_models import DEVICES, GAMEPAD, STREAM_DECK
@@ -61,18 +62,18 @@ class DeviceWatch:
         listed = [path for path in present_gamepads() if self._fits(path, device_name(path))]
         for path in dict.fromkeys((*paths, *listed)):
             if not self._has(path):
-                self._open(lambda path=path: Gamepad(path))  # type: ignore[misc]
+                with self._trouble_told():
+                    self._add(Gamepad(path))
 
     async def _look_for_decks(self) -> None:
-        try:
+        decks: list[Any] = []
+        with self._trouble_told():
             decks = await asyncio.to_thread(self._find_decks)
-        except DeviceLostError as error:
-            self._trouble(error)
-            return
         for deck in decks:
             path, name = str(deck.id()), str(deck.deck_type())
             if not self._has(path) and self._fits(path, name):
-                self._open(lambda deck=deck: StreamDeckKeys(deck))  # type: ignore[misc]
+                with self._trouble_told():
+                    self._add(StreamDeckKeys(deck))
 
     def _has(self, path: str) -> bool:
         return any(device.path == path for device in self.devices)
@@ -85,12 +86,7 @@ class DeviceWatch:
             for wanted in self._wanted
         )
 
-    def _open(self, make: Callable[[], HandDevice]) -> None:
-        try:
-            device = make()
-        except DeviceLostError as error:
-            self._trouble(error)
-            return
+    def _add(self, device: HandDevice) -> None:
         self.devices.append(device)
         device.on_lost = lambda why: self._drop(device)
         self.on_found(device)
@@ -102,7 +98,12 @@ class DeviceWatch:
             device.held.clear()
             device.on_gone()
 
-    def _trouble(self, error: DeviceLostError) -> None:
-        if error.what not in self._troubles:
-            self._troubles.add(error.what)
-            self.on_trouble(error.what, error.remedy)
+    @contextlib.contextmanager
+    def _trouble_told(self) -> Iterator[None]:
+        """What cannot be opened in here is left out, and told once."""
+        try:
+            yield
+        except DeviceLostError as error:
+            if error.what not in self._troubles:
+                self._troubles.add(error.what)
+                self.on_trouble(error.what, error.remedy)

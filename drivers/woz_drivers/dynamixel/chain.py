@@ -298,7 +298,8 @@ class ServoChain(ServoUpkeep):
         self.one_chore(now)
 
     def _read(self) -> None:
-        for table, group in self._tables(lambda servo: servo.status is ServoStatus.READY).items():
+        ready = (each for each in self.servos.values() if each.status is ServoStatus.READY)
+        for table, group in _by_table(ready).items():
             if table.protocol == 1:
                 for servo in group:
                     self._read_status(servo, table)
@@ -398,7 +399,8 @@ class ServoChain(ServoUpkeep):
         return True
 
     def _write(self, *, everything: bool) -> None:
-        for table, group in self._tables(lambda servo: servo.moves).items():
+        moving = (each for each in self.servos.values() if each.moves)
+        for table, group in _by_table(moving).items():
             values = {}
             for servo in group:
                 if table.protocol == 1 and servo.misses:
@@ -410,13 +412,6 @@ class ServoChain(ServoUpkeep):
                     speed = servo.joint.speed
                     values[servo.joint.id] = servo.calibration.goal_value(raw, speed)
             self.wire.write_group(table.goal_block(), values)
-
-    def _tables(self, chosen: Callable[[Servo], bool]) -> dict[ControlTable, list[Servo]]:
-        groups: dict[ControlTable, list[Servo]] = {}
-        for servo in self.servos.values():
-            if servo.calibration is not None and chosen(servo):
-                groups.setdefault(servo.calibration.model.table, []).append(servo)
-        return groups
 
     def _probe(self, now: float) -> None:
         """Ask one silent servo whether it is back; never more than one a second."""
@@ -491,3 +486,12 @@ class ServoChain(ServoUpkeep):
         known = [self.servos[name].obstacle for name in sorted(left_out)]
         remedies = [each.remedy for each in known if each is not None and each.remedy]
         return DriverError(detail, next(iter(remedies), ""))
+
+
+def _by_table(servos: Iterable[Servo]) -> dict[ControlTable, list[Servo]]:
+    """Those of them that are calibrated."""
+    groups: dict[ControlTable, list[Servo]] = {}
+    for servo in servos:
+        if servo.calibration is not None:
+            groups.setdefault(servo.calibration.model.table, []).append(servo)
+    return groups

@@ -14,9 +14,8 @@ import os
 import select
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TypeVar
 
 import serial
 from dynamixel_sdk import PortHandler
@@ -43,8 +42,6 @@ BUSY_MS, BUSY_WITHIN_MS = 50.0, 1000.0
 STUCK_MS = 200.0
 #: USB serial adapters as the kernel knows them.
 SERIAL_DEVICES = Path("/sys/bus/usb-serial/devices")
-
-T = TypeVar("T")
 
 
 class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
@@ -119,11 +116,25 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
 
     def clearPort(self) -> None:  # noqa: N802
         """Throw away what has come in and was not asked for."""
-        self._or_lost(lambda: self._open().reset_input_buffer())
+        with self._or_lost():
+            self._open().reset_input_buffer()
 
     def writePort(self, packet: list[int]) -> int:  # noqa: N802
-        """Send a packet; returns the number of bytes sent."""
-        return self._or_lost(lambda: self._send(bytes(packet)))
+        """Send a packet; returns the number of bytes sent.
+
+        Not by pyserial: it takes a line for broken that has taken everything, if this process
+        comes back late from writing.
+        """
+        sent, whole = 0, bytes(packet)
+        with self._or_lost():
+            number = self._open().fileno()
+            while sent < len(whole):
+                try:
+                    sent += os.write(number, whole[sent:])
+                except BlockingIOError:
+                    if not self._room.poll(STUCK_MS):
+                        raise OSError(errno.ETIMEDOUT, "it accepts no more data") from None
+        return sent
 
     def readPort(self, length: int) -> bytes:  # noqa: N802
         """At most `length` bytes; none if nothing came within 2 ms."""
@@ -136,29 +147,14 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
             if self._late_reads > LATE_READS:
                 return b""
         self.waits += 1
-        return self._or_lost(lambda: self._wait_and_read(length))
-
-    def _send(self, packet: bytes) -> int:
-        """Not by pyserial: it takes a line for broken that has taken everything, if this process
-        comes back late from writing.
-        """
-        number, sent = self._open().fileno(), 0
-        while sent < len(packet):
-            try:
-                sent += os.write(number, packet[sent:])
-            except BlockingIOError:
-                if not self._room.poll(STUCK_MS):
-                    raise OSError(errno.ETIMEDOUT, "it accepts no more data") from None
-        return sent
-
-    def _wait_and_read(self, length: int) -> bytes:
-        ready = self._poll.poll(WAIT_MS)
-        self._notice_delay()
-        if not ready:
-            return b""
-        data = os.read(self._open().fileno(), length)
-        if not data:
-            raise OSError(errno.EIO, "the device is ready to read, but sends no data")
+        with self._or_lost():
+            ready = self._poll.poll(WAIT_MS)
+            self._notice_delay()
+            if not ready:
+                return b""
+            data = os.read(self._open().fileno(), length)
+            if not data:
+                raise OSError(errno.EIO, "the device is ready to read, but sends no data")
         self.longest_ms = max(self.longest_ms, self.getTimeSinceStart())
         return data
 
@@ -219,9 +215,11 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
             raise OSError(errno.EBADF, os.strerror(errno.EBADF))
         return self.ser
 
-    def _or_lost(self, action: Callable[[], T]) -> T:
+    @contextlib.contextmanager
+    def _or_lost(self) -> Iterator[None]:
+        """An error of the line in here is `DeviceLostError`."""
         try:
-            return action()
+            yield
         except LOSSES as error:
             raise DeviceLostError(
                 f"the line to the servos broke ({self.port_name}: {reason_of(error)})",

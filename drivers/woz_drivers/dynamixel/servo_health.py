@@ -45,7 +45,7 @@ class ServoUpkeep(abc.ABC):
         self.settings = settings
         self.servos = {name: Servo(name, joint) for name, joint in settings.joints.items()}
         self._context = context
-        self._chores: deque[Callable[[], None]] = deque()
+        self._chores: deque[tuple[Callable[[Servo], None], Servo]] = deque()
         self._next_round = 0.0
         self._warned: set[tuple[str, str, str]] = set()
         bounds = (
@@ -68,10 +68,10 @@ class ServoUpkeep(abc.ABC):
             self._next_round = now + ROUND_S
             for servo in self.servos.values():
                 if servo.status is ServoStatus.READY:
-                    self._chores.append(lambda servo=servo: self._status(servo))  # type: ignore[misc]
-                    self._chores.append(lambda servo=servo: self._sensors(servo))  # type: ignore[misc]
+                    self._chores += ((self._status, servo), (self._sensors, servo))
         if self._chores:
-            self._chores.popleft()()
+            chore, servo = self._chores.popleft()
+            chore(servo)
 
     # -- alarms, torque, watchdog --------------------------------------------------------------
 

@@ -21,7 +21,7 @@ from types import TracebackType
 from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from woz_tui.drivers import confirmed_stop
-from woz_tui.drivers.background import BackgroundTasks
+from woz_tui.drivers.background import Background, BackgroundTasks
 from woz_tui.drivers.confirmed_stop import confirmed_within, succeeded
 from woz_tui.drivers.contract import (
     DeviceLostError,
@@ -114,6 +114,13 @@ class RobotPart(Generic[L, S]):
         self._link = link
         self._settings = settings
         self._context = context
+        self._works: list[Background] = []
+
+    def background(self, what: str) -> Background:
+        """Work beside its commands, one task at a time; it ends when the part is closed."""
+        work = Background(what, self._context)
+        self._works.append(work)
+        return work
 
     @classmethod
     def offer(cls, settings: S) -> Offer:
@@ -161,6 +168,8 @@ class RobotPart(Generic[L, S]):
 
     async def close(self) -> None:
         """End what goes on. Never raises."""
+        for work in self._works:
+            await work.close()
 
 
 class RobotOfParts(Driver, Generic[LinkT, S]):

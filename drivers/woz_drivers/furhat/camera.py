@@ -17,7 +17,6 @@ from woz_drivers.furhat.link import FurhatLink, FurhatPart
 from woz_drivers.furhat.realtime_events import CameraData
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.pictures.live_pictures import LivePictures, kept_picture
-from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import DriverContext, DriverError, Job, Offer, Verb
 from woz_tui.protocol.camera_pictures import CameraWatched
 from woz_tui.protocol.messages import Json
@@ -35,7 +34,7 @@ class FurhatCamera(FurhatPart):
     def __init__(self, link: FurhatLink, settings: FurhatSettings, context: DriverContext) -> None:
         super().__init__(link, settings, context)
         self._live = LivePictures(context)
-        self._watching = Background("the camera", context)
+        self._watching = self.background("the camera")
 
     @classmethod
     def offer(cls, settings: FurhatSettings) -> Offer:
@@ -58,10 +57,6 @@ class FurhatCamera(FurhatPart):
     def lost(self) -> None:
         """No more pictures."""
         self._watching.cancel()
-
-    async def close(self) -> None:
-        """Ask for nothing more."""
-        await self._watching.close()
 
     async def _take(self) -> bytes:
         """A JPEG picture. Raises `DriverError`."""

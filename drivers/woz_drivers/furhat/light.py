@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from woz_drivers.furhat.link import FurhatLink, FurhatPart
 from woz_drivers.furhat.settings import SETTINGS, FurhatSettings
 from woz_tui.drivers.argument_values import color, word
-from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, Job, Offer, Scope
 from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import EYE_ANIMATIONS
@@ -28,7 +27,7 @@ class FurhatLight(FurhatPart):
         super().__init__(link, settings, context)
         self._color = color({"color": settings.led}, "color") if settings.led else ""
         self._animation = "steady"
-        self._loop = Background("the light", context)
+        self._loop = self.background("the light")
 
     @classmethod
     def offer(cls, settings: FurhatSettings) -> Offer:
@@ -73,10 +72,6 @@ class FurhatLight(FurhatPart):
     def shown(self) -> Mapping[str, Json]:
         """The colour, if one was asked for."""
         return {"eyes": self._color} if self._color else {}
-
-    async def close(self) -> None:
-        """The light stays."""
-        await self._loop.close()
 
     def _begin_loop(self) -> None:
         self._loop.cancel()

@@ -13,7 +13,6 @@ from woz_drivers.furhat.link import FurhatLink, FurhatPart
 from woz_drivers.furhat.realtime_events import AudioData, DetectedUser, UsersData
 from woz_drivers.furhat.settings import FurhatSettings
 from woz_drivers.sound import pcm_audio
-from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Offer
 from woz_tui.drivers.sound_feeds import WIDTH, SoundOffer
 
@@ -46,9 +45,9 @@ class FurhatSenses(FurhatPart):
         self._heard_us = 0
         #: What was told of people too soon after what was published.
         self._waiting: UsersData | None = None
-        self._watching = Background("reading who is there", context)
+        self._watching = self.background("reading who is there")
         self._offer = SoundOffer(context, _RATE)
-        self._following = Background("the live sound", context)
+        self._following = self.background("the live sound")
         link.on(UsersData, self._users)
         link.on(AudioData, self._sound)
 
@@ -78,11 +77,6 @@ class FurhatSenses(FurhatPart):
         self._waiting = None
         self._head.sees({})
         self._stale(self.offer(self._settings).sensors, "the robot is not connected")
-
-    async def close(self) -> None:
-        """The robot need not tell us any more."""
-        await self._watching.close()
-        await self._following.close()
 
     def _stale(self, sensors: tuple[str, ...], why: str) -> None:
         for sensor in sensors:

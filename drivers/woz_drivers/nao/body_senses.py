@@ -13,7 +13,6 @@ from woz_drivers.naoqi_robot import memory
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.senses import CALM_US, MemoryQuery
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
-from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, Offer
 
 #: From one question to the next, in seconds: a fall and a touch are known after so long.
@@ -59,7 +58,7 @@ class BodySensesPart(NaoqiPart):
         self._motors = MotorWatch(context)
         #: By sensor: what was told last, and when.
         self._felt: dict[str, tuple[float | None, int]] = {}
-        self._polling = Background("reading what the robot feels", context)
+        self._polling = self.background("reading what the robot feels")
 
     @classmethod
     def offer(cls, settings: NaoqiSettings) -> Offer:
@@ -92,11 +91,6 @@ class BodySensesPart(NaoqiPart):
         if self._falls.fallen:
             yield "it has fallen: no motion is sent to it until it is up again"
         yield from self._motors.conflicts()
-
-    async def close(self) -> None:
-        """End reading."""
-        await self._polling.close()
-        await super().close()
 
     async def _poll(self) -> None:
         loop, due, turn = asyncio.get_running_loop(), 0.0, 0

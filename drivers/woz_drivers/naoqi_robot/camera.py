@@ -15,7 +15,6 @@ from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.pictures import picture_files
 from woz_drivers.pictures.live_pictures import LivePictures, kept_picture
-from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
@@ -50,7 +49,7 @@ class CameraPart(NaoqiPart):
         super().__init__(robot, settings, context)
         self._folder = settings.pictures
         self._live = LivePictures(context)
-        self._watching = Background("the camera", context)
+        self._watching = self.background("the camera")
         #: What the live pictures are subscribed under, and with which resolution and rate.
         self._subscribed: tuple[str, tuple[int, int]] | None = None
         #: When the last of them came, in the loop's time.
@@ -102,9 +101,8 @@ class CameraPart(NaoqiPart):
 
     async def close(self) -> None:
         """Let the camera go."""
-        await self._watching.close()
-        await self._unsubscribe()
         await super().close()
+        await self._unsubscribe()
 
     # -- while somebody watches ----------------------------------------------------------------
 

@@ -125,6 +125,7 @@ class NaoqiPart(RobotPart[RobotCalls, NaoqiSettings]):
 
     async def close(self) -> None:
         """Let go: end tasks, close files, unsubscribe. Never raises."""
+        await super().close()
         await self._clean_up.close()
 
 

@@ -16,7 +16,6 @@ from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls
 from woz_drivers.naoqi_robot.senses import NAME, MemoryQuery
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.sound.noticed_speech import NoticedSpeech
-from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import (
     SPEECH,
     SPEECH_TEXT,
@@ -45,7 +44,7 @@ class RecognitionPart(NaoqiPart):
     def __init__(self, robot: RobotCalls, settings: NaoqiSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         self._query = MemoryQuery(robot)
-        self._polling = Background("reading the robot's speech recognition", context)
+        self._polling = self.background("reading the robot's speech recognition")
         self._speech = NoticedSpeech(context)
         #: Whether the text of the last segment is still to come.
         self._awaited = False
@@ -86,7 +85,7 @@ class RecognitionPart(NaoqiPart):
 
     async def close(self) -> None:
         """The robot need not listen for us any more."""
-        await self._polling.close()
+        await super().close()
         self._speech.end("the session ended")
         if self._settings.recognition.phrases and self._link.ready:
             with contextlib.suppress(DriverError):

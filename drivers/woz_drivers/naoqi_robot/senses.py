@@ -18,7 +18,6 @@ from woz_drivers.naoqi_robot.memory import item, items, number, within
 from woz_drivers.naoqi_robot.parts import NaoqiPart, RobotCalls, together
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import text
-from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import (
     FACE_CONSENT,
     LEARN_FACE,
@@ -190,7 +189,7 @@ class SensesPart(NaoqiPart):
         self._report = RoundReport(context)
         self._ids: tuple[int, ...] = ()
         self._battery: float | None = None
-        self._polling = Background("reading the robot's sensors", context)
+        self._polling = self.background("reading the robot's sensors")
 
     @classmethod
     def offer(cls, settings: NaoqiSettings) -> Offer:
@@ -257,7 +256,7 @@ class SensesPart(NaoqiPart):
 
     async def close(self) -> None:
         """End reading; the robot's modules need not run for us any more."""
-        await self._polling.close()
+        await super().close()
         await self._modules.end()
 
     async def _begin(self) -> None:

@@ -16,7 +16,6 @@ from woz_drivers.naoqi_robot.served_files import is_address
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import PageKind, found, kind, page
-from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -287,8 +286,8 @@ class TabletPart(NaoqiPart):
         #: What is there, as the settings show it.
         self._shows = ""
         self._on_air = False
-        self._watching = Background("the tablet's video", context)
-        self._returning = Background("the tablet's default", context)
+        self._watching = self.background("the tablet's video")
+        self._returning = self.background("the tablet's default")
         self._signals: list[Unsubscribe] = []
 
     @classmethod
@@ -342,7 +341,8 @@ class TabletPart(NaoqiPart):
 
     async def connected(self) -> None:
         """Listen to the tablet, and show the default, or clear it."""
-        await self._quiet()
+        await self._watching.close()
+        await self._returning.close()
         self._video, self._shows, self._on_air = None, "", False
         self._signals = []
         for signal, listener in (
@@ -376,7 +376,7 @@ class TabletPart(NaoqiPart):
 
     async def close(self) -> None:
         """A video ends, for its file cannot be fetched any more; a picture stays."""
-        await self._quiet()
+        await super().close()
         if self._touch is not None:
             await self._touch.close()
         if self._link.ready:
@@ -385,10 +385,6 @@ class TabletPart(NaoqiPart):
                     await self._link.call(_SERVICE, "stopVideo", within=_FAREWELL_S)
             await asyncio.gather(*(end() for end in self._signals))
         self._video, self._signals = None, []
-
-    async def _quiet(self) -> None:
-        await self._watching.close()
-        await self._returning.close()
 
     # -- showing -------------------------------------------------------------------------------
 

@@ -21,7 +21,7 @@ from woz_drivers.reachy_mini.pose import ASLEEP, HOME, Pose, aimed_at, joint_ran
 from woz_drivers.reachy_mini.senses import ReachySenses
 from woz_drivers.reachy_mini.settings import MODES, SETTINGS, ReachyMiniSettings
 from woz_tui.drivers.argument_values import did_you_mean
-from woz_tui.drivers.background import Background, BackgroundTasks
+from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import (
     Argument,
     DeviceLostError,
@@ -121,14 +121,14 @@ class ReachyMotion(ReachyPart):
         self._show = show
         self._wobbles = settings.wobble
         self._mode = MODES[0]
-        self._demo = Background("the demo", context)
+        self._demo = self.background("the demo")
         self._leaving = BackgroundTasks("following faces no more")
         #: Recorded moves by library, none of one that is not there; without the library: not asked
         #: for, or nobody answered.
         self._installed: Mapping[str, list[str]] = {}
         #: Moves in place of an emotion that the robot turned out not to have.
         self._lacking: set[str] = set()
-        self._asking = Background("asking what it has", context)
+        self._asking = self.background("asking what it has")
         self._told_moves = ""
         #: Whether the robot was lost while it was asked for its libraries.
         self._lost_by_asking = False
@@ -237,7 +237,7 @@ class ReachyMotion(ReachyPart):
     async def close(self) -> None:
         """End what goes on; the robot stays as it is."""
         await self._end_demo()
-        await self._asking.close()
+        await super().close()
         self._leaving.cancel()
         await self._body.close()
 

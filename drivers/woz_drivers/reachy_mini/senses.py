@@ -11,7 +11,6 @@ from woz_drivers.reachy_mini.pose import LIMITS
 from woz_drivers.reachy_mini.settings import ReachyMiniSettings
 from woz_drivers.reachy_mini.sounds import ReachySounds
 from woz_drivers.sound.noticed_speech import NoticedSpeech
-from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError, Offer
 from woz_tui.motion.body_feeds import SEEN, Sighting
 from woz_tui.motion.safety import finite_number
@@ -51,7 +50,7 @@ class ReachySenses(ReachyPart):
         self._switches = asyncio.Lock()
         #: The newest of these requests, which comes last.
         self._switching: asyncio.Future[None] | None = None
-        self._polling = Background("reading the robot's senses", context)
+        self._polling = self.background("reading the robot's senses")
         self._speech = NoticedSpeech(context)
         #: When speech was heard last, in the time of the log.
         self._heard_us = 0
@@ -119,7 +118,7 @@ class ReachySenses(ReachyPart):
 
     async def close(self) -> None:
         """Look no more; the head is left where it is."""
-        await self._polling.close()
+        await super().close()
         if self._switching is not None:
             await asyncio.wait({self._switching}, timeout=0.5)
             self._switching.cancel()

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from woz_drivers import simulated
+from woz_drivers.browser_screen import BrowserScreenSettings
 from woz_drivers.camera.settings import CameraSettings
 from woz_drivers.dynamixel import DynamixelServos
 from woz_drivers.faces.settings import FacesSettings
@@ -27,6 +28,7 @@ from woz_drivers.ros.settings import RosSettings
 from woz_drivers.speech.settings import SpeechSettings, SynthesisSettings
 
 from tests.drivers.body.rig import robot
+from tests.drivers.browser_screen import test_browser_screen
 from tests.drivers.faces import test_faces
 from tests.drivers.furhat import test_furhat_contract
 from tests.drivers.hands.test_hands_driver import CONTROLS
@@ -45,6 +47,7 @@ from woz_tui.testing import Device, DriverTests, PlainJob, RecordingContext, che
 NOWHERE = "/dev/no-such-port"
 SILENT = SynthesisSettings(synthesise=("no-such-program",))
 SETTINGS: list[tuple[str, Any]] = [
+    ("browser-screen", BrowserScreenSettings("127.0.0.1:0")),
     ("camera", CameraSettings(command=("no-such-program",))),
     ("dynamixel", head(Path(NOWHERE), pan="pan", poses={"up": {"tilt": 10.0}})),
     ("faces", FacesSettings(command=("no-such-program",))),
@@ -166,6 +169,7 @@ WITH_A_DEVICE: tuple[type[DriverTests], ...] = (
         test_nao_contract.TestPepper,
     ),
     *(test_reachy_mini.TestTheContract, test_ros_contract.TestRos1, test_ros_contract.TestRos2),
+    test_browser_screen.TestTheContract,
 )
 
 

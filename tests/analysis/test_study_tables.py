@@ -23,8 +23,8 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
+from tests.features.questionnaires.rig import study_experiment
 from tests.session.rig import SessionRig
-from tests.session.study_rig import study_experiment
 from woz_tui.cli import main
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log

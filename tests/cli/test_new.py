@@ -16,6 +16,7 @@ from woz_tui.config.loading import load
 from woz_tui.config.new_experiment import TEMPLATES, every_line
 from woz_tui.drivers import plugins
 from woz_tui.features.phases.section import PHASES
+from woz_tui.features.questionnaires.section import QUESTIONNAIRES
 
 ROOT = Path(__file__).parents[2]
 
@@ -49,7 +50,7 @@ def test_every_template_is_right_without_a_warning(
     said = path.read_text(encoding="utf-8")
     assert said.count("\n#") >= 2
     study = "--free" not in options
-    assert bool(experiment.study.questionnaires) is study
+    assert bool(QUESTIONNAIRES.of(experiment).questionnaires) is study
 
 
 def test_the_tutorial_tells_what_the_template_has(

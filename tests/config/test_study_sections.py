@@ -15,8 +15,6 @@ from woz_tui.config.study import (
     PerceptionLimits,
     Study,
 )
-from woz_tui.config.study_sections import NAME_PATTERN, name_from_text
-from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 
 GOOD = Path(__file__).parent / "good"
 
@@ -44,29 +42,6 @@ def test_the_design(whole: Experiment) -> None:
         blind={"warm": "Lemon", "cold": "Orange", "none": "No"},
     )
     assert whole.warnings == ()
-
-
-def test_questionnaires_and_their_items(whole: Experiment) -> None:
-    ends = ("not at all", "very much")
-    first, again, short = whole.study.questionnaires
-    assert first == Questionnaire(
-        "robot-ux",
-        "How was the robot?",
-        items=(
-            QuestionnaireItem("pleasant", "How pleasant was it?", 0, 4, ends),
-            QuestionnaireItem("the-robot-understood-me", "The robot understood me.", 0, 4, ends),
-            QuestionnaireItem("off-or-on", "Off or on?", -3, 3, ("No", "On"), optional=True),
-            QuestionnaireItem("else", "Anything else?", 0, 4, ends, text=True, optional=True),
-        ),
-        when="condition",
-        introduction="Please answer quickly.",
-    )
-    assert (again.name, again.when, again.items) == (
-        "again",
-        "hand",
-        (QuestionnaireItem("well", "Well"),),
-    )
-    assert (short.name, short.title, short.when) == ("short", "short", "end")
 
 
 def test_preflight_and_perception(whole: Experiment) -> None:
@@ -121,30 +96,9 @@ def test_blind_makes_letters_that_do_not_tell_the_order(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "code"),
-    [
-        ("How was it?", "how-was-it"),
-        ("Was it good - or bad", "was-it-good-or-bad"),
-        ("2 robots", "robots"),
-        ("???", ""),
-        ("Żółć", ""),
-        ("x" * 41, ""),
-        ("one two three four five six seven eight nine", "one-two-three-four-five-six-seven-eight"),
-    ],
-)
-def test_a_name_made_of_a_question(text: str, code: str) -> None:
-    assert name_from_text(text) == code
-    assert not code or NAME_PATTERN.fullmatch(code)
-
-
-@pytest.mark.parametrize(
     ("section", "said"),
     [
         ("perception: {hide: [distance], blur: [distance]}", "perception.blur[0]: is hidden"),
-        (
-            "questionnaires: [{name: a, when: condition, items: [b]}]",
-            "questionnaires[0].when: without a design",
-        ),
     ],
 )
 def test_what_is_odd_is_said(tmp_path: Path, section: str, said: str) -> None:

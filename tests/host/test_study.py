@@ -11,8 +11,9 @@ from typing import Any
 
 import pytest
 
+from tests.features.questionnaires.rig import study_experiment
 from tests.host.rig import Peer, ServedSession, served_session
-from tests.session.study_rig import had, log, renamed, study_experiment
+from tests.session.study_rig import had, log, renamed
 from woz_tui.config.experiment import SessionSettings
 from woz_tui.protocol import messages as m
 

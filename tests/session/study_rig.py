@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Iterable, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
@@ -14,35 +15,22 @@ from woz_tui.config.study import Design, PerceptionLimits, Study
 from woz_tui.log.disk import LogDisk
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem, WelcomeSettings
+from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.session.participant_identity import SessionIdentity
 
-ITEMS = (
-    QuestionnaireItem("pleasant", "How pleasant was it?", 1, 5, ("not at all", "very")),
-    QuestionnaireItem("else", "Anything else?", text=True, optional=True),
-)
 STUDY = Study(
     design=Design(trials=2, blind={"warm": "A", "cold": "B"}),
-    questionnaires=(
-        Questionnaire(
-            "each",
-            "Each trial",
-            when="trial",
-            items=(QuestionnaireItem("hard", "How hard was it?"),),
-        ),
-        Questionnaire("ux", "How was it?", when="condition", items=ITEMS),
-        Questionnaire("last", "At last", items=(QuestionnaireItem("why", "Why?", text=True),)),
-        Questionnaire(
-            "whenever", "Whenever", when="hand", items=(QuestionnaireItem("now", "Now?", 0, 100),)
-        ),
-    ),
     preflight=("the door is shut", "the camera sees the table"),
     perception=PerceptionLimits(("distance",), ("transcript",)),
 )
+#: What no feature says of an experiment.
+NO_FEATURES: Mapping[object, Any] = {}
 GREETING = {"warm": "Hello {participant}!", "cold": "Hello."}
 
 
-def study_experiment(tmp_path: Path, study: Study = STUDY) -> Experiment:
+def study_experiment(
+    tmp_path: Path, study: Study = STUDY, sections: Mapping[object, Any] = NO_FEATURES
+) -> Experiment:
     """The experiment of the rig with this study, and an action that differs by condition."""
     made = experiment(tmp_path)
     speech, *rest = made.panels
@@ -52,6 +40,7 @@ def study_experiment(tmp_path: Path, study: Study = STUDY) -> Experiment:
         panels=(replace(speech, actions=(*speech.actions, greet)), *rest),
         by_condition={"greeting": GREETING},
         study=study,
+        sections=sections,
     )
 
 
@@ -70,10 +59,12 @@ def on_stage(
     scenario: Callable[[SessionRig], Awaitable[None]],
     study: Study = STUDY,
     identity: SessionIdentity | None = None,
+    *,
     disk: LogDisk | None = None,
+    sections: Mapping[object, Any] = NO_FEATURES,
 ) -> SessionRig:
     """Plays the scenario in virtual time, then ends the session."""
-    made = study_experiment(tmp_path, study)
+    made = study_experiment(tmp_path, study, sections)
     rig = SessionRig(tmp_path, identity=identity or SessionIdentity(), made=made, disk=disk)
     return rig.run(scenario, 1)
 

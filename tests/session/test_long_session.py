@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.virtual_time import run_virtual
+from tests.features.questionnaires.rig import study_experiment
 from tests.session.rig import SessionRig
-from tests.session.study_rig import study_experiment
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.session_reading import read_report
 from woz_tui.features.delay.kinds import ActionHeld
@@ -105,7 +105,8 @@ async def _whole(tmp_path: Path, seed: int) -> SessionRig:
     failed: list[object] = []
     loop.set_exception_handler(lambda loop, told: failed.append(told))
     shaping = ResponseShaping(0.8, 2.0, ("speech",))
-    made = replace(study_experiment(tmp_path), sections={SHAPING: shaping})
+    asked = study_experiment(tmp_path)
+    made = replace(asked, sections={**asked.sections, SHAPING: shaping})
     rig = SessionRig(tmp_path, identity=SessionIdentity(seed=seed), made=made)
     async with rig:
         rig.session.bus.unwatched = ""

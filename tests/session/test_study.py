@@ -182,7 +182,6 @@ def test_a_reload_leaves_the_trials_of_the_participant_who_is_there(
         rig.session.adopt(study_experiment(tmp_path, replace(STUDY, design=design)), [])
         study.trial("begin", "")
         study.trial("done", "")
-        assert [each.questionnaire for each in study.state.due] == ["each", "ux", "last"]
         assert "all 4 trials of P01 are done" in refusal_reason(rig, "begin")
 
     rig = on_stage(tmp_path, scenario)
@@ -308,44 +307,6 @@ def test_who_comes_again_goes_on_in_the_next_session(tmp_path: Path) -> None:
     (line,) = (line for line in rig.of(m.ConditionsAssigned))
     assert (line.method, line.row) == ("latin-square", 1)
     assert line.why == "P02 continues with their own order: 3 of 4 trials done"
-
-
-@pytest.mark.parametrize("answered", [False, True])
-def test_a_questionnaire_that_an_earlier_session_owes_is_told(
-    tmp_path: Path, answered: bool
-) -> None:
-    lines = had("P01", ["warm", "cold"], "dd", row=0)
-    for name in ("each", "ux") if answered else ("each",):
-        lines.append(m.QuestionnaireEnded(questionnaire=name, reason="done", answered=1))
-    name = "2026-03-01T10-00-00_P01_S01"
-    log(tmp_path / "recordings", name, lines, title="Made by hand")
-
-    async def scenario(rig: SessionRig) -> None:
-        assign_participant(rig)
-
-    rig = on_stage(tmp_path, scenario)
-    notices = [line.text for line in rig.of(m.Notice)]
-    owed = [text for text in notices if "has not answered" in text]
-    assert owed == ([] if answered else ["P01 has not answered: How was it?"])
-
-
-def test_what_is_owed_is_told_after_a_crash_when_the_session_begins_with_the_participant(
-    tmp_path: Path,
-) -> None:
-    name = "2026-03-01T10-00-00_P01_S01"
-    log(
-        tmp_path / "recordings",
-        name,
-        had("P01", ["warm", "cold"], "d", row=0),
-        title="Made by hand",
-    )
-
-    async def scenario(rig: SessionRig) -> None:
-        assign_participant(rig)
-
-    rig = on_stage(tmp_path, scenario, identity=SessionIdentity(participant="P01"))
-    notices = [line.text for line in rig.of(m.Notice)]
-    assert [text for text in notices if "has not answered" in text]
 
 
 def test_no_number_is_set_while_a_trial_runs(tmp_path: Path) -> None:

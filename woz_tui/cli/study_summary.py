@@ -12,17 +12,10 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import sections
 from woz_tui.config.study import Design
 from woz_tui.protocol.messages import Json
-from woz_tui.protocol.welcome import Questionnaire
 from woz_tui.session.session_plan import study_settings
 
 #: So many orders are listed; the rest is counted.
 _LISTED = 12
-_WHENS = {
-    "end": "at the end",
-    "trial": "after each trial",
-    "condition": "after each condition",
-    "hand": "when the wizard starts it",
-}
 
 
 def study_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
@@ -37,8 +30,6 @@ def study_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
         left = len(rows(study.design, conditions)) - _LISTED
         if left > 0:
             yield "", f"and {left} more: woz design"
-    for questionnaire in study.questionnaires:
-        yield questionnaire.name, _questionnaire(questionnaire)
     for check in study.preflight:
         yield "preflight", check
     for section in sections():
@@ -85,12 +76,3 @@ def design_sentence(design: Design, conditions: int) -> str:
 def order_text(order: Order, blind: Mapping[str, str]) -> str:
     """`warm (A), cold (B)`."""
     return ", ".join(f"{each} ({blind[each]})" if blind else each for each in order) or "-"
-
-
-def _questionnaire(questionnaire: Questionnaire) -> str:
-    scales = dict.fromkeys(f"{i.low} to {i.high}" for i in questionnaire.items if not i.text)
-    texts = sum(item.text for item in questionnaire.items)
-    parts = [f"{_WHENS[questionnaire.when]}: {counted(len(questionnaire.items), 'item')}"]
-    parts += [f"scales {' and '.join(scales)}"] if scales else []
-    parts += [f"{texts} in words"] if texts else []
-    return ", ".join(parts)

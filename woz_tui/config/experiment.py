@@ -18,7 +18,7 @@ from woz_tui.drivers.contract import Offer
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, Range, Seconds
 from woz_tui.network.listen_address import DRIVERS_LISTEN
 from woz_tui.protocol.messages import Json
-from woz_tui.protocol.welcome import STALE_S, QuestionnaireWords
+from woz_tui.protocol.welcome import STALE_S
 
 
 @dataclass(frozen=True, slots=True)
@@ -273,9 +273,8 @@ class Experiment:
     by_condition: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     #: Keyboard layout: us, gb, de, es, fr ...
     keyboard: str = "us"
-    #: In which the console speaks to participants, and its words.
+    #: In which the console speaks to participants.
     language: str = "en"
-    words: QuestionnaireWords = field(default_factory=QuestionnaireWords)
     #: Actions of features; a feature plays those without steps.
     beside_panels: tuple[Action, ...] = ()
     session: SessionSettings = field(default_factory=SessionSettings)
@@ -287,7 +286,7 @@ class Experiment:
     sections: Mapping[object, Any] = field(default_factory=dict)
     #: How the robot tells whether somebody is with it; None: it does not.
     engagement: Engagement | None = None
-    #: The study around it: design, questionnaires, preflight.
+    #: The study around it: design, preflight.
     study: Study = field(default_factory=Study)
     #: Every file that was read, for the hash and for watching.
     files: tuple[Path, ...] = ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from woz_tui.config.condition_texts import Variables
 from woz_tui.config.experiment import Action, Experiment, Panel, Step
@@ -76,8 +76,6 @@ class FeatureSection(Generic[S]):
 
     #: Verbs that need no driver. Actions may name them, `Feature.performer` carries them out.
     verbs: tuple[Verb, ...] = ()
-    #: Whether it holds in a training, too, where nobody takes part.
-    in_trainings: ClassVar[bool] = True
 
     def __init__(self, keys: type, empty: S) -> None:
         self.keys = keys
@@ -113,6 +111,10 @@ class FeatureSection(Generic[S]):
         """What a reading changed, in words."""
         if old != new:
             yield "something changed"
+
+    def trained(self, section: S) -> S:
+        """What of it holds in a training, where nobody takes part."""
+        return section
 
     def moments(self, experiment: Experiment) -> Iterable[tuple[str, object]]:
         """What `woz check --why` looks at: moments in words, each with what then holds of the

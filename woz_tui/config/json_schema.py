@@ -26,7 +26,6 @@ from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.robots import AT, NAMED, PROCESS
 from woz_tui.config.session_verbs import WAIT, engagement_verbs, session_verbs
 from woz_tui.config.study import Design
-from woz_tui.config.study_sections import NAME_PATTERN
 from woz_tui.config.study_words import CUES
 from woz_tui.drivers import fields
 from woz_tui.drivers.contract import Argument, Driver, Verb
@@ -221,7 +220,6 @@ def experiment_schema(
                 for section in pieces("section", FeatureSection).values()
                 for name, schema in section.schemas().items()
             },
-            "name": {"type": "string", "pattern": f"^{NAME_PATTERN.pattern}$"},
             "key": _KEY,
             "on": _ON,
             "actions": {"type": "array", "items": {"$ref": "#/$defs/action"}},

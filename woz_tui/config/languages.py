@@ -7,23 +7,18 @@ another language, or has other words for one of ours. What a file leaves out is 
 
 from __future__ import annotations
 
-import string
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-
-import msgspec
 
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.yaml_cursor import Cursor, document, read_filled, read_text
 from woz_tui.feature import features
-from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords
 
 FOLDER = Path(__file__).parents[1] / "languages"
 DEFAULT = "en"
 #: Sections of a language file, each with its words.
-QUESTIONNAIRE = "questionnaire"
-SECTIONS = (QUESTIONNAIRE, *(each.words for each in features().values() if each.words))
+SECTIONS = tuple(each.words for each in features().values() if each.words)
 _SUFFIX = ".language.yaml"
 
 
@@ -74,18 +69,6 @@ class Language:
         """This section of each file, that beside the experiment first."""
         return (table[name] for table in self._sections if name in table)
 
-    def questionnaire(self) -> QuestionnaireWords:
-        """What participants read."""
-        words: dict[str, str] = {}
-        fields = QuestionnaireWords.__struct_fields__
-        for section in self.section(QUESTIONNAIRE):
-            table = section.fields(fields, "words are", "words by their names") or {}
-            for name in (name for name in table if name in fields):
-                text = read_filled(table[name])
-                if text is not None and _fits(table[name], text, getattr(ENGLISH, name)):
-                    words.setdefault(name, text)
-        return msgspec.structs.replace(ENGLISH, **words)
-
     def sentences(self, name: str, of: Sequence[str]) -> dict[str, str]:
         """The sentences `of` these names in a section, by name."""
         said: dict[str, str] = {}
@@ -110,17 +93,3 @@ def _ours(code: str) -> Mapping[str, Cursor]:
 def _is_code(text: str) -> bool:
     """Whether it may be a part of a file's name."""
     return text.replace("-", "").isalnum()
-
-
-def _fits(cursor: Cursor, text: str, english: str) -> bool:
-    """Whether all that stands between braces can be filled in."""
-    known = {name for _, name, _, _ in string.Formatter().parse(english) if name}
-    try:
-        wanted = {name for _, name, _, _ in string.Formatter().parse(text) if name is not None}
-    except ValueError:
-        wanted = {""}
-    if wanted <= known:
-        return True
-    allowed = ", ".join(f"{{{name}}}" for name in sorted(known)) or "nothing"
-    cursor.error(f"between braces may stand here: {allowed}")
-    return False

@@ -158,7 +158,6 @@ class _ExperimentDecoder:
         )
         variables = read_variables(table.get("variables"), filled, conditions)
         language = Language(table.get("language"), self._path.absolute().parent, self._sources)
-        words = language.questionnaire()
         panels_cursor = table.get("panels")
         folder = self._path.absolute().parent
         surroundings = FileSurroundings(playing, self._catalogue, folder, self._opened)
@@ -216,7 +215,6 @@ class _ExperimentDecoder:
             by_condition=variables.by_condition,
             keyboard=file.keyboard,
             language=language.code,
-            words=words,
             beside_panels=tuple(
                 action for section, said in sections.items() for action in section.actions(said)
             ),

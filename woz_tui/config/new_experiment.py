@@ -186,9 +186,10 @@ def _text_lines(
             yield f"conditions: {json.dumps(conditions, ensure_ascii=False)}"
         if len(conditions) > 1:
             yield _DESIGN
-        yield _QUESTIONNAIRE.format(when="condition" if len(conditions) > 1 else "trial")
-        for name, question in template.items.items():
-            yield f"      - {{name: {name}, question: {json.dumps(question)}}}"
+        if "questionnaires" in TOP_LEVEL:
+            yield _QUESTIONNAIRE.format(when="condition" if len(conditions) > 1 else "trial")
+            for name, question in template.items.items():
+                yield f"      - {{name: {name}, question: {json.dumps(question)}}}"
         yield _PREFLIGHT
     if abilities.senses:
         yield _ENGAGEMENT

@@ -70,7 +70,6 @@ def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
 #: What has names: its entries by them.
 _COLLECTIONS: Mapping[str, Callable[[Experiment], Mapping[str, object]]] = {
     "variable": lambda read: {**read.variables, **read.by_condition},
-    "questionnaire": lambda read: {each.name: each for each in read.study.questionnaires},
     "preflight": lambda read: dict.fromkeys(read.study.preflight),
 }
 
@@ -78,9 +77,7 @@ _COLLECTIONS: Mapping[str, Callable[[Experiment], Mapping[str, object]]] = {
 def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
     if old.title != new.title:
         yield f"title is {new.title!r}, it was {old.title!r}"
-    for what in (
-        *("participant_pattern", "language", "words", "keyboard", "session", "sensors", "steps"),
-    ):
+    for what in (*("participant_pattern", "language", "keyboard", "session", "sensors", "steps"),):
         if getattr(old, what) != getattr(new, what):
             yield f"{what.replace('_', ' ')} changed"
     yield from _conditions(old, new)
@@ -118,7 +115,7 @@ def _engagement(old: Engagement, new: Engagement) -> Iterable[str]:
 
 
 def _study(old: Study, new: Study) -> Iterable[str]:
-    """What is under way goes on: a participant's order, an open questionnaire's items."""
+    """What is under way goes on: a participant's order."""
     for part in ("design", "perception"):
         yield from _part(part, old, new)
     if old.answers != new.answers:

@@ -1,27 +1,24 @@
 """What an experiment file may say about the study around the robot.
 
-The shapes alone: who gets which condition (`design`), what is asked of people (`questionnaires`,
-`preflight`), and what the wizard sees (`perception`).
+The shapes alone: who gets which condition (`design`), what a person checks (`preflight`), and what
+the wizard sees (`perception`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Annotated
 
-from woz_tui.config.study_words import BLURRED, ORDERS, PERCEIVED, WHENS
+from woz_tui.config.study_words import BLURRED, ORDERS, PERCEIVED
 from woz_tui.drivers.fields import (
     Doc,
-    Entry,
     NotBlank,
-    NotEmpty,
     OneOf,
     Range,
     ReadApart,
     Unique,
 )
-from woz_tui.protocol.welcome import Questionnaire
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,61 +51,6 @@ class Design:
 
 
 @dataclass(frozen=True, slots=True)
-class ScaleEntry(Entry):
-    """A scale as a file gives it; what it leaves out is as in the questionnaire's scale."""
-
-    what = "a scale"
-    example = "{low: 1, high: 7}"
-    low: Annotated[int | None, Range(-1000, 1000), Doc("the lowest number")] = None
-    high: Annotated[int | None, Range(-1000, 1000), Doc("the highest number")] = None
-    ends: Annotated[tuple[str, str] | None, Doc("labels of the lowest and the highest number")] = (
-        None
-    )
-
-
-_Name = Annotated[
-    str, ReadApart("name"), Doc("name in logs and tables (default: made from the words)")
-]
-_Scale = Annotated[
-    ScaleEntry | None, Doc("whole numbers from low to high, with labels for both ends")
-]
-
-
-@dataclass(frozen=True, slots=True)
-class ItemEntry(Entry):
-    """An item of a questionnaire as a file gives it."""
-
-    what = "an item"
-    example = "a question, or {name: ..., question: ...}"
-    question: Annotated[str, NotBlank(), Doc("as the participant reads it")]
-    name: _Name = ""
-    scale: _Scale = None
-    text: Annotated[bool, Doc("a free text instead of a scale")] = False
-    optional: Annotated[bool, Doc("can be skipped")] = False
-
-
-@dataclass(frozen=True, slots=True)
-class QuestionnaireEntry(Entry):
-    """A questionnaire as a file gives it."""
-
-    what = "a questionnaire"
-    example = "{title: ..., items: [...]}"
-    either = ("title", "name")
-    items: Annotated[
-        Any, ReadApart(tuple[ItemEntry | str, ...]), NotEmpty(), Doc("questions, in this order")
-    ]
-    name: _Name = ""
-    title: Annotated[str, NotBlank(), Doc("title")] = ""
-    when: Annotated[
-        str,
-        OneOf(WHENS),
-        Doc("at the end, after each trial or condition, or only when the wizard starts it"),
-    ] = "end"
-    introduction: Annotated[str, NotBlank(), Doc("introduction before the first item")] = ""
-    scale: _Scale = None
-
-
-@dataclass(frozen=True, slots=True)
 class PerceptionLimits:
     """What the wizard does not get to see, so as to know no more than the robot could."""
 
@@ -125,11 +67,6 @@ class Study:
     design: Annotated[
         Design | None, ReadApart(), Doc("order of conditions for each participant")
     ] = None
-    questionnaires: Annotated[
-        tuple[Questionnaire, ...],
-        ReadApart(tuple[QuestionnaireEntry, ...]),
-        Doc("what the participant is asked"),
-    ] = ()
     preflight: Annotated[
         tuple[str, ...],
         NotBlank(),

@@ -1,21 +1,12 @@
 """The sections of an experiment file that are about the study, read into one `Study`.
 
-`design`, `questionnaires`, `preflight`, `perception`:
+`design`, `preflight`, `perception`:
 
 design: {order: latin-square, trials: 3, blind: {warm: Lemon, cold: Orange}}
-questionnaires:
-  - title: How was the robot?
-    when: end                               # end, trial, condition or hand
-    scale: {low: 1, high: 7, ends: [not at all, very much]}
-    items:
-      - {name: pleasant, question: "How pleasant was it?"}
-      - The robot understood me             # its name: the-robot-understood-me
-      - {question: "Anything else?", text: true, optional: true}
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -23,8 +14,6 @@ from typing import Any
 from woz_tui.config.annotated_decoder import (
     INVALID,
     Invalid,
-    read_entries,
-    read_partly,
     read_settings,
     read_value,
 )
@@ -33,143 +22,17 @@ from woz_tui.config.counterbalancing import letters
 from woz_tui.config.problems import quoted
 from woz_tui.config.study import (
     Design,
-    ItemEntry,
     PerceptionLimits,
-    QuestionnaireEntry,
-    ScaleEntry,
     Study,
 )
 from woz_tui.config.study_words import CUES
 from woz_tui.config.yaml_cursor import (
     Cursor,
-    check_different,
-    missing,
-    read_filled,
     read_flag,
-    read_text,
     texts_of,
 )
 from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
 from woz_tui.drivers.fields import NotEmpty, OneOrMore
-from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
-
-# -- questionnaires --------------------------------------------------------------------------------
-
-
-#: What names in logs and tables look like.
-NAME_PATTERN = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,39}")
-#: Points of the widest scale: a percentage has 101.
-MOST_POINTS = 1001
-_DEFAULT_SCALE = ScaleEntry(1, 7, ("", ""))
-
-
-def read_questionnaires(cursor: Cursor | None) -> tuple[Questionnaire, ...]:
-    """All questionnaires; what is wrong with them has been reported."""
-    found = [
-        (entry, _questionnaire(entry, read))
-        for entry, read in read_entries(cursor, "a list of questionnaires", QuestionnaireEntry)
-    ]
-    named = [(entry, each.name) for entry, each in found]
-    check_different(named, "a questionnaire", ("name", "title"))
-    return tuple(each for _, each in found)
-
-
-def name_from_text(text: str) -> str:
-    """A name made of a sentence: `How was it?` becomes `how-was-it`; empty if it has no letters."""
-    words = re.findall(r"[a-z0-9]+", text.lower())
-    while words and words[0][0].isdigit():
-        words.pop(0)
-    code = ""
-    for word in words:
-        if len(code) + len(word) + 1 > 40:
-            break
-        code = f"{code}-{word}" if code else word
-    return code
-
-
-def _questionnaire(cursor: Cursor, entry: QuestionnaireEntry) -> Questionnaire:
-    table = dict(cursor.entries())
-    name = _name(cursor, "title", entry.title)
-    scale = _scale(table.get("scale"), entry.scale, _DEFAULT_SCALE)
-    return Questionnaire(
-        name=name,
-        title=entry.title or name,
-        introduction=entry.introduction,
-        when=entry.when,
-        items=_items(table.get("items"), scale),
-    )
-
-
-def _items(cursor: Cursor | None, scale: ScaleEntry) -> tuple[QuestionnaireItem, ...]:
-    entries = cursor.list("a list of items") if cursor is not None else None
-    if cursor is not None and entries == []:
-        cursor.error("an item is missing here")
-    found = [(entry, _item(entry, scale)) for entry in entries or ()]
-    check_different([(entry, item.name) for entry, item in found], "an item", ("name", "question"))
-    return tuple(item for _, item in found)
-
-
-def _item(cursor: Cursor, scale: ScaleEntry) -> QuestionnaireItem:
-    if isinstance(cursor.node, ScalarNode):
-        entry = ItemEntry(read_filled(cursor) or "")
-        name = name_from_text(entry.question)
-        if entry.question and not name:
-            cursor.error("no name can be made from this; write {name: ..., question: ...}")
-    else:
-        entry = read_partly(cursor, ItemEntry) or ItemEntry("")
-        name = _name(cursor, "question", entry.question)
-        own = dict(cursor.entries()).get("scale")
-        if entry.text and own is not None:
-            own.error("a free text has no scale")
-        else:
-            scale = _scale(own, entry.scale, scale)
-    return QuestionnaireItem(
-        name=name,
-        question=entry.question,
-        low=scale.low or 0,
-        high=scale.high or 0,
-        ends=scale.ends or ("", ""),
-        text=entry.text,
-        optional=entry.optional,
-    )
-
-
-def _scale(cursor: Cursor | None, own: ScaleEntry | None, outer: ScaleEntry) -> ScaleEntry:
-    """A scale; what it does not say is as in the `outer` one."""
-    if cursor is None or own is None or outer.low is None or outer.high is None:
-        return outer
-    low = outer.low if own.low is None else own.low
-    high = outer.high if own.high is None else own.high
-    table = dict(cursor.entries())
-    last = table.get("high", table.get("low", cursor))
-    if low >= high:
-        last.error(f"the scale goes from {low} to {high}; it needs at least two points")
-    elif high - low >= MOST_POINTS:
-        last.error(f"a scale can have at most {MOST_POINTS} points")
-    else:
-        return ScaleEntry(low, high, own.ends or outer.ends)
-    return outer
-
-
-def _name(entry: Cursor, made_of: str, sentence: str) -> str:
-    """The name that is given, or else one made of the sentence; empty if it is wrong."""
-    cursor = dict(entry.entries()).get("name")
-    near = name_from_text(sentence)
-    if cursor is None:
-        if sentence and not near:
-            missing({}, "name", entry, f"no name can be made from the {made_of}")
-        return near
-    text = read_text(cursor, "a name")
-    if text is None or NAME_PATTERN.fullmatch(text):
-        return text or ""
-    near = name_from_text(text)
-    hint = f", such as {near!r}" if near else ""
-    cursor.error(
-        "a name in logs and tables begins with a letter (a to z), and goes on with letters, digits,"
-        f" - and _; 40 characters at most{hint}"
-    )
-    return ""
-
 
 # -- design ----------------------------------------------------------------------------------------
 
@@ -261,28 +124,13 @@ def read_study(file: Study, table: Mapping[str, Cursor], around: StudyReferences
     wrong has been reported.
     """
     design = read_design(table.get("design"), around.conditions)
-    questionnaires = read_questionnaires(table.get("questionnaires"))
-    if design is None and "design" not in table:
-        _without_a_design(table.get("questionnaires"))
     _check_perception(file.perception, table.get("perception"))
     return Study(
         design=design,
-        questionnaires=questionnaires,
         preflight=file.preflight,
         answers=_answering(table.get("answers"), around.playable),
         perception=file.perception,
     )
-
-
-def _without_a_design(cursor: Cursor | None) -> None:
-    """Nobody knows when a condition's last trial is over if nobody says how many there are."""
-    for entry in cursor.items() if cursor is not None else ():
-        when = dict(entry.entries()).get("when")
-        if when is not None and getattr(when.node, "text", "") == "condition":
-            when.warning(
-                "without a design, the last trial of a condition is unknown;"
-                " add design: {trials: ...}, or start it by hand: when: hand"
-            )
 
 
 def _answering(

@@ -10,6 +10,7 @@ FEATURES: tuple[str, ...] = (
     "woz_tui.features.scripts:Scripts",
     "woz_tui.features.profiles:Profiles",
     "woz_tui.features.repairs:Repairs",
+    "woz_tui.features.questionnaires:Questionnaires",
     "woz_tui.features.training:Training",
     "woz_tui.features.mcap:Mcap",
     "woz_tui.features.blocks:Blocks",

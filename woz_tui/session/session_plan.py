@@ -28,10 +28,8 @@ def study_settings(experiment: Experiment) -> s.StudySettings:
     return s.StudySettings(
         design=s.DesignView(design.order, design.within, design.trials) if design else None,
         blind=dict(design.blind) if design else {},
-        questionnaires=[*study.questionnaires],
         preflight=[*map(s.PreflightCheck, study.preflight)],
         perception=s.PerceptionView([*study.perception.hide], [*study.perception.blur]),
-        words=experiment.words,
         language=experiment.language,
         answers={cue: [*names] for cue, names in study.answers.items()},
         by_condition={name: dict(texts) for name, texts in experiment.by_condition.items()},

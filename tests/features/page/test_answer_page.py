@@ -15,6 +15,7 @@ import pytest
 from tests.features.page.rig import PageRig, WebBrowser, pages
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.study_rig import STUDY, study_experiment
+from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
 from woz_tui.features.page.item_forms import ITEM_FORMS, UnreadAnswerError, answer_of, kind_of
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import ENGLISH, Questionnaire, QuestionnaireItem
@@ -67,7 +68,7 @@ class Stage:
 
 @asynccontextmanager
 async def on_stage(tmp_path: Path, clock: Clock | None = None) -> AsyncIterator[Stage]:
-    made = study_experiment(tmp_path, replace(STUDY, questionnaires=(UX,)))
+    made = study_experiment(tmp_path, STUDY, {QUESTIONNAIRES: Asked((UX,))})
     async with served_session(tmp_path, made=made) as host, pages(host, clock=clock) as rig:
         wizard = await host.connect()
         await wizard.hello("wizard")

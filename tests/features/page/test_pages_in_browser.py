@@ -18,6 +18,7 @@ from tests.analysis.html.browser import Page, browser
 from tests.features.page.rig import PageRig, pages
 from tests.host.rig import served_session
 from tests.session.study_rig import STUDY, study_experiment
+from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
 from woz_tui.features.page.visitors import PageRole
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
@@ -167,7 +168,7 @@ TLX = Questionnaire(
 async def test_a_participant_answers_on_a_phone_and_loads_the_page_anew(
     tmp_path: Path, opened: Page, scripts: bool
 ) -> None:
-    made = study_experiment(tmp_path, replace(STUDY, questionnaires=(TLX,)))
+    made = study_experiment(tmp_path, STUDY, {QUESTIONNAIRES: Asked((TLX,))})
     opened.size(360, 640)
 
     def answer(item: str, value: int) -> None:
@@ -208,7 +209,7 @@ async def test_what_was_typed_survives_loading_anew_and_a_lost_line(
     asked = Questionnaire(
         "free", "Free", when="hand", items=(QuestionnaireItem("why", "Why?", text=True),)
     )
-    made = study_experiment(tmp_path, replace(STUDY, questionnaires=(asked,)))
+    made = study_experiment(tmp_path, STUDY, {QUESTIONNAIRES: Asked((asked,))})
     async with served_session(tmp_path, made=made) as host, pages(host) as rig:
         wizard = await host.connect()
         await wizard.hello("wizard")

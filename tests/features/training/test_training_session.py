@@ -11,6 +11,7 @@ import pytest
 from tests.host.rig import ServedSession, served_session
 from woz_tui.config.loading import load
 from woz_tui.drivers.plugins import installed
+from woz_tui.features.questionnaires.section import QUESTIONNAIRES
 from woz_tui.features.training import training_course
 from woz_tui.features.training.cue_plan import PlannedCue
 from woz_tui.features.training.in_session import TrainingSession
@@ -120,14 +121,15 @@ async def test_nobody_takes_part_and_every_utterance_can_be_said(tmp_path: Path)
 
 def test_nobody_is_asked_anything_in_a_training() -> None:
     whole = load(STUDY, installed())
-    assert whole.study.questionnaires
+    assert QUESTIONNAIRES.of(whole).questionnaires
     assert whole.study.preflight
     left = TRAINING.experiment(whole)
-    assert left.study.questionnaires == ()
+    assert QUESTIONNAIRES.of(left).questionnaires == ()
     assert left.study.preflight == ()
     kept = ("design", "perception")
     assert all(getattr(left.study, name) == getattr(whole.study, name) for name in kept)
-    assert (left.panels, left.sections) == (whole.panels, whole.sections)
+    sections = {**whole.sections, QUESTIONNAIRES: QUESTIONNAIRES.of(left)}
+    assert (left.panels, left.sections) == (whole.panels, sections)
 
 
 def test_none_begins_while_the_session_ends() -> None:

@@ -95,8 +95,6 @@ class PhaseKeys:
 class PhaseSection(FeatureSection[tuple[Phase, ...]]):
     """Phases in the order in which one follows the other, unless the wizard chooses otherwise."""
 
-    in_trainings = False  # cues want answers of all phases
-
     def read(
         self, table: Mapping[str, Cursor], file: Any, contents: FileContents
     ) -> tuple[Phase, ...]:
@@ -117,6 +115,9 @@ class PhaseSection(FeatureSection[tuple[Phase, ...]]):
                 _check_actions(keys.get(key), contents.actions, phase)
         _check_reachable(found)
         return tuple(phase for _, phase in found)
+
+    def trained(self, section: tuple[Phase, ...]) -> tuple[Phase, ...]:
+        return ()  # cues want answers of all phases
 
     def changes(self, old: tuple[Phase, ...], new: tuple[Phase, ...]) -> Iterable[str]:
         before, after = ({phase.name: phase for phase in each} for each in (old, new))

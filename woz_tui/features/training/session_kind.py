@@ -53,13 +53,12 @@ class TrainingKind(SessionKind):
         return replace(identity, participant=NOBODY, condition=identity.condition or condition)
 
     def experiment(self, experiment: Experiment) -> Experiment:
-        """Without what belongs to a participant: nobody is there to be asked, nothing has to be in
-        order for them, and what else holds for participants alone.
+        """Without what belongs to a participant: nothing has to be in order for them, and what else
+        holds for participants alone.
         """
-        study = replace(experiment.study, questionnaires=(), preflight=())
+        study = replace(experiment.study, preflight=())
         kept: dict[object, object] = {
-            section: section.of(experiment) if section.in_trainings else section.empty
-            for section in sections()
+            section: section.trained(section.of(experiment)) for section in sections()
         }
         return replace(experiment, study=study, sections=kept)
 

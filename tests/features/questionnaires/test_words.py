@@ -15,6 +15,7 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.languages import FOLDER, shipped
 from woz_tui.config.loading import load
+from woz_tui.features.questionnaires.section import QUESTIONNAIRES
 from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords
 
 FIELDS = QuestionnaireWords.__struct_fields__
@@ -24,6 +25,10 @@ def make_experiment(folder: Path, language: str) -> Experiment:
     text = panel("{label: A, say: a}", head=f"{ROBOT}\n{language}\n")
     (folder / "e.yaml").write_text(text, encoding="utf-8")
     return load(folder / "e.yaml", CATALOGUE)
+
+
+def words_in(experiment: Experiment) -> QuestionnaireWords:
+    return QUESTIONNAIRES.of(experiment).words
 
 
 def words_of(code: str) -> dict[str, str]:
@@ -52,21 +57,21 @@ def test_the_english_file_says_what_the_code_says() -> None:
 
 
 def test_without_a_language_it_is_english(tmp_path: Path) -> None:
-    assert (make_experiment(tmp_path, "").language, make_experiment(tmp_path, "").words) == (
+    assert (make_experiment(tmp_path, "").language, words_in(make_experiment(tmp_path, ""))) == (
         "en",
         ENGLISH,
     )
 
 
 def test_a_language_that_comes_along(tmp_path: Path) -> None:
-    assert make_experiment(tmp_path, "language: de").words.wait == "Bitte warten."
+    assert words_in(make_experiment(tmp_path, "language: de")).wait == "Bitte warten."
 
 
 def test_a_file_beside_the_experiment_adds_a_language_and_is_part_of_it(tmp_path: Path) -> None:
     own = tmp_path / "gsw.language.yaml"
     own.write_text("questionnaire: {wait: Bitte no chli warte.}\n", encoding="utf-8")
     experiment = make_experiment(tmp_path, "language: gsw")
-    assert experiment.words == msgspec.structs.replace(ENGLISH, wait="Bitte no chli warte.")
+    assert words_in(experiment) == msgspec.structs.replace(ENGLISH, wait="Bitte no chli warte.")
     assert own in experiment.files
     own.write_text("questionnaire: {wait: Bitte warte.}\n", encoding="utf-8")
     assert make_experiment(tmp_path, "language: gsw").sha256 != experiment.sha256
@@ -74,7 +79,7 @@ def test_a_file_beside_the_experiment_adds_a_language_and_is_part_of_it(tmp_path
 
 def test_a_file_beside_the_experiment_goes_before_ours(tmp_path: Path) -> None:
     (tmp_path / "de.language.yaml").write_text("questionnaire: {wait: Warte bitte.}\n")
-    words = make_experiment(tmp_path, "language: de").words
+    words = words_in(make_experiment(tmp_path, "language: de"))
     assert (words.wait, words.thanks) == ("Warte bitte.", "Vielen Dank!")
 
 

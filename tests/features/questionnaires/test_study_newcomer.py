@@ -9,8 +9,8 @@ from pathlib import Path
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from tests.features.questionnaires.rig import on_stage
 from tests.session.rig import SessionRig
-from tests.session.study_rig import on_stage
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import AskAnswer

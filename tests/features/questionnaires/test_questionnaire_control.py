@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.features.questionnaires.rig import on_stage
 from tests.session.rig import SessionRig
-from tests.session.study_rig import on_stage, short_messages
+from tests.session.study_rig import short_messages
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import AskAnswer

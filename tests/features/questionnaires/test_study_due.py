@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.features.questionnaires.rig import on_stage
 from tests.session.rig import SessionRig
-from tests.session.study_rig import STUDY, on_stage, short_messages
+from tests.session.study_rig import STUDY, short_messages
 from woz_tui.config.study import Design
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError

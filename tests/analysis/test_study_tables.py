@@ -23,7 +23,7 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from tests.features.questionnaires.rig import study_experiment
+from tests.features.questionnaires.rig import questionnaires, study_experiment
 from tests.session.rig import SessionRig
 from woz_tui.cli import main
 from woz_tui.gate.questions import RequestOrigin
@@ -114,14 +114,16 @@ async def play_trial(rig: SessionRig, outcome: str, chance: random.Random) -> No
     for due in [*study.state.due]:
         if due.questionnaire not in ("each", "ux"):
             continue
-        study.questioning.begin_or_end(due.questionnaire, "begin", "wizard")
+        questionnaires(rig).begin_or_end(due.questionnaire, "begin", "wizard")
         item = "hard" if due.questionnaire == "each" else "pleasant"
         value = float(chance.randint(1, 5))
-        study.questioning.answer(AskAnswer(questionnaire=due.questionnaire, item=item, value=value))
+        questionnaires(rig).answer(
+            AskAnswer(questionnaire=due.questionnaire, item=item, value=value)
+        )
         await asyncio.sleep(1)
         if item == "pleasant":
-            study.questioning.answer(AskAnswer(questionnaire="ux", item="else", skipped=True))
-        study.questioning.begin_or_end(due.questionnaire, "done", "wizard")
+            questionnaires(rig).answer(AskAnswer(questionnaire="ux", item="else", skipped=True))
+        questionnaires(rig).begin_or_end(due.questionnaire, "done", "wizard")
 
 
 # -- a computation of its own, from the lines of the logs ------------------------------------------

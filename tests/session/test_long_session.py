@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.virtual_time import run_virtual
-from tests.features.questionnaires.rig import study_experiment
+from tests.features.questionnaires.rig import questionnaires, study_experiment
 from tests.session.rig import SessionRig
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.session_reading import read_report
@@ -85,17 +85,17 @@ class RandomWizard:
         current = study.state.questionnaire
         if current is None or current.started is None:
             due = [each.questionnaire for each in study.state.due]
-            study.questioning.begin_or_end(
+            questionnaires(self.rig).begin_or_end(
                 self.chance.choice([*due, "whenever"]), "begin", "wizard"
             )
         elif self.chance.random() < 0.4:
             how = self.chance.choice(["done", "declined", "left"])
-            study.questioning.begin_or_end(current.name, how, "participant")
+            questionnaires(self.rig).begin_or_end(current.name, how, "participant")
         else:
             item = self.chance.choice(current.started.items)
             text = "well" if item.get("text") else ""
             value = None if text else float(self.chance.randint(0, 6))
-            study.questioning.answer(
+            questionnaires(self.rig).answer(
                 AskAnswer(questionnaire=current.name, item=item["name"], value=value, text=text)
             )
 

@@ -46,8 +46,6 @@ WATCHER_MAY = (
     *(r.AskDescribe, r.AskPreflight, r.AskMarker, r.AskNote, r.AskPicture, r.AskSound),
     r.AskTakeOver,
 )
-#: What a participant may ask for, who sits at a terminal to answer a questionnaire.
-PARTICIPANT_MAY = (r.AskQuestionnaire, r.AskAnswer)
 #: What is for some roles alone: which, and what others are told. A program does not see the room.
 #: Pictures and live sound are of people, and a program can ask a device itself. Whoever may play
 #: the robot may talk through it.
@@ -101,9 +99,9 @@ def watcher_may() -> tuple[type[r.Request], ...]:
 
 @cache
 def participant_may() -> tuple[type[r.Request], ...]:
-    """What a participant may ask for, of features too."""
+    """What a participant may ask for, who sits at a terminal to answer: that of features alone."""
     gates = pieces("gate", FeatureGate).values()
-    return (*PARTICIPANT_MAY, *(kind for gate in gates for kind in gate.participant_may))
+    return tuple(kind for gate in gates for kind in gate.participant_may)
 
 
 @cache
@@ -496,7 +494,7 @@ class FeatureGate:
 
     `while_ending`, `undone`: as `WHILE_ENDING` and `UNDONE`; what is not done may depend on the
     request, empty: it is done. `watcher_may`, `participant_may`: what else somebody may ask who
-    only watches, or answers.
+    only watches, or answers. `after_leaving`: what is carried out although its client has left.
     """
 
     rows: tuple[FeatureRow, ...] = ()
@@ -504,6 +502,7 @@ class FeatureGate:
     undone: Mapping[type, Undone] = field(default_factory=dict)
     watcher_may: tuple[type[r.Request], ...] = ()
     participant_may: tuple[type[r.Request], ...] = ()
+    after_leaving: tuple[type[r.Request], ...] = ()
 
 
 _COMMAND = (SubmitCommand, DispatchCommand)

@@ -10,22 +10,23 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from functools import cache
 from typing import Any
 
 import msgspec
 
 from woz_tui.bus.hub import Hub, Subscription
+from woz_tui.feature import pieces
+from woz_tui.gate.table import FeatureGate
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import (
-    AskAnswer,
     AskAssign,
     AskCheck,
     AskEnd,
     AskMarker,
     AskMistake,
     AskNote,
-    AskQuestionnaire,
     AskRelease,
     AskSet,
     AskStop,
@@ -93,18 +94,17 @@ REQUESTS_A_TURN, TURN_S = 8, 0.005
 READ_AHEAD = 1 << 20
 #: What is carried out although its sender has left: the stop, the end, and what the log is for.
 CARRIED_OUT_AFTER_LEAVING = (
-    AskStop
-    | AskEnd
-    | AskMarker
-    | AskNote
-    | AskMistake
-    | AskSet
-    | AskAssign
-    | AskTrial
-    | AskQuestionnaire
-    | AskAnswer
-    | AskCheck
+    *(AskStop, AskEnd, AskMarker, AskNote, AskMistake, AskSet, AskAssign, AskTrial, AskCheck),
 )
+
+
+@cache
+def carried_out_after_leaving() -> tuple[type[Request], ...]:
+    """What is carried out although its client has left, of features too."""
+    gates = pieces("gate", FeatureGate).values()
+    return (*CARRIED_OUT_AFTER_LEAVING, *(kind for gate in gates for kind in gate.after_leaving))
+
+
 #: Bytes of answers that may wait for a client that asks and asks and never reads.
 MOST_WAITING = 8 << 20
 #: How long a closed connection may take to deliver what was written, in seconds.
@@ -316,7 +316,7 @@ class ClientConnection(asyncio.Protocol):
             # It was sent before the stop, and so not because of it.
             reason = "a newer stop arrived on the same connection"
             self.refuse(request.ref, reason, "release the stop again")
-        elif not left or isinstance(request, CARRIED_OUT_AFTER_LEAVING):
+        elif not left or isinstance(request, carried_out_after_leaving()):
             if not request.sent_us:
                 request = msgspec.structs.replace(request, sent_us=since_us)
             self._on_request(self, request)

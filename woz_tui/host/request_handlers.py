@@ -39,7 +39,6 @@ from woz_tui.protocol.requesters import requester
 from woz_tui.protocol.requests import (
     AgedRequest,
     AskAction,
-    AskAnswer,
     AskAssign,
     AskCancel,
     AskCheck,
@@ -57,7 +56,6 @@ from woz_tui.protocol.requests import (
     AskPredict,
     AskPreflight,
     AskProposal,
-    AskQuestionnaire,
     AskRelease,
     AskReload,
     AskSet,
@@ -69,7 +67,6 @@ from woz_tui.protocol.requests import (
     Reply,
     Request,
 )
-from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.session import Session
 from woz_tui.session.session_features import Client
 from woz_tui.session.typed_actions import Reader, copy_with_sentences, without_typed, write_beside
@@ -232,11 +229,6 @@ class RequestHandlers:
                 study.assign(participant, order, self._by(client))
             case AskTrial(what=what, text=text):
                 study.trial(what, text, tells)
-            case AskQuestionnaire(questionnaire=name, what=what, source=source):
-                by = PARTICIPANT if client.role == PARTICIPANT else source
-                study.questioning.begin_or_end(name, what, by)
-            case AskAnswer():
-                study.questioning.answer(request)
             case AskCheck(check=check, ok=ok, text=text):
                 study.check(check, ok, text, client.role)
             case _:
@@ -464,11 +456,8 @@ def _by_a_client(client: ClientConnection, request: Request) -> Request:
         client.role != "wizard" or getattr(request, "source", "") in NOT_OF_CLIENTS
     ):
         return replace(request, source="program")
-    match request:
-        case AskQuestionnaire(source="wizard") if client.role == "program":
-            return replace(request, source="program")
-        case AskEnd(reason="wizard") if client.role == "program":
-            return replace(request, reason="program")
+    if isinstance(request, AskEnd) and request.reason == "wizard" and client.role == "program":
+        return replace(request, reason="program")
     return request
 
 

@@ -28,6 +28,7 @@ from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.panel_players import player_names
+from woz_tui.protocol.requesters import PARTICIPANT
 from woz_tui.protocol.requests import (
     PROTOCOL,
     AskAbout,
@@ -40,7 +41,6 @@ from woz_tui.protocol.requests import (
     Request,
     Welcome,
 )
-from woz_tui.session.questionnaire_control import PARTICIPANT
 from woz_tui.session.redactor import ParticipantRedactor, Redactor, sees_everything
 from woz_tui.session.session import Session
 from woz_tui.session.session_plan import panels_changed, study_settings, welcome

@@ -5,10 +5,12 @@ from __future__ import annotations
 from woz_tui.protocol.messages import ConsoleAttached
 
 WIZARD = "the wizard"
+#: The role of a console at which a participant sits.
+PARTICIPANT = "participant"
 #: By the source of a request; panels and pads of keys are the wizard's hands.
 _BY_SOURCE = {
     "program": "a program",
-    "participant": "the participant",
+    PARTICIPANT: "the participant",
     "replay": "the re-run",
     "phase": "the experiment",
     "engagement": "the experiment",

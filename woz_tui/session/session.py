@@ -122,6 +122,7 @@ class Session:
             read=lambda: self.experiment,
             identity=lambda: self.identity,
             set_trial=self.set,
+            allow_next=self._allow_next,
             logs=(folder, self.recorder.path.parent),
         )
         self.faults = DriverFaults(self.hub, self.clock)
@@ -211,8 +212,8 @@ class Session:
         self.ended = True
         for timer in self._timers.values():
             timer.cancel()
-        self.study.close()
         self.features.close()
+        self.study.close()
         self.runner.stop_waiting("the session ends")
         await self.bus.drain(1.0)
         if rest and not self.bus.latched:
@@ -698,6 +699,10 @@ class Session:
         if (self.identity.participant, self.identity.trial) == before:
             return
         self.features.begin_anew(participant=self.identity.participant != before[0])
+
+    def _allow_next(self) -> None:
+        """Raises `RequestError` while a feature lets neither another trial nor participant come."""
+        self.features.allow_next()
 
     def _set(self, participant: str | None, condition: str | None, trial: int | None) -> None:
         self.study.allow(participant, other_trial=trial not in (None, self.identity.trial))

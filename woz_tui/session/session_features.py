@@ -138,6 +138,11 @@ class SessionFeature:
     def begin_anew(self, *, participant: bool) -> None:
         """The number of the next trial was set, with another `participant` or without."""
 
+    def allow_next(self) -> None:
+        """Raise `RequestError` while something is under way into which neither another trial nor
+        another participant may come.
+        """
+
     def carry_out(self, request: Any, client: Client) -> str:
         """Do what is asked; the id of the run or command that it has begun, if any."""
         raise RequestError(f"{type(request).__name__} cannot be used here")
@@ -219,8 +224,8 @@ F = TypeVar("F", bound=SessionFeature)
 _FAILED = "\0"
 #: Where features are asked or told something; those that have nothing to do there are passed by.
 _HOOKS = (
-    *("begin", "close", "play", "after_play", "adopt", "hold", "drop", "begin_anew", "front"),
-    *("fact", "findings"),
+    *("begin", "close", "play", "after_play", "adopt", "hold", "drop", "begin_anew"),
+    *("allow_next", "front", "fact", "findings"),
 )
 
 
@@ -307,14 +312,19 @@ class SessionFeatures:
             self._safely(name, feature.begin, None)
 
     def close(self) -> None:
-        """The session ends."""
-        for name, feature in [*self._with["close"].items()]:
+        """The session ends: first for those that use others."""
+        for name, feature in reversed([*self._with["close"].items()]):
             self._safely(name, feature.close, None)
 
     def begin_anew(self, *, participant: bool) -> None:
         """The number of the next trial was set, with another `participant` or without."""
         for name, feature in [*self._with["begin_anew"].items()]:
             self._safely(name, partial(feature.begin_anew, participant=participant), None)
+
+    def allow_next(self) -> None:
+        """Raises `RequestError` while one of them lets no other trial or participant come."""
+        for name, feature in [*self._with["allow_next"].items()]:
+            self._answer(name, feature.allow_next, None)
 
     def carry_out(self, request: Request, client: Client) -> str:
         """Do what is asked of a feature; the id of what it has begun. Raises `RequestError`."""

@@ -19,7 +19,6 @@ from woz_tui.protocol.requesters import WIZARD
 from woz_tui.session.condition_proposal import ConditionProposal, propose
 from woz_tui.session.earlier_sessions import EarlierSessions
 from woz_tui.session.participant_identity import SessionIdentity, check_condition, check_participant
-from woz_tui.session.questionnaire_control import QuestionnaireController
 from woz_tui.session.session_plan import study_settings
 from woz_tui.session.variables import VariableValues, by_condition
 from woz_tui.timeline.session_state import SessionState
@@ -37,6 +36,8 @@ class StudyController:
         read: Gives the experiment as its file was read last.
         identity: Gives who takes part, and under which condition.
         set_trial: Sets participant, condition and trial; None leaves one as it is.
+        allow_next: Raises `RequestError` while something is under way into which neither another
+            trial nor another participant may come.
         logs: The folders with the logs of earlier sessions and with that of this one.
     """
 
@@ -48,6 +49,7 @@ class StudyController:
         read: Callable[[], Experiment],
         identity: Callable[[], SessionIdentity],
         set_trial: Callable[[str | None, str | None, int | None], None],
+        allow_next: Callable[[], None],
         logs: Iterable[Path],
     ) -> None:
         self._hub, self._read = hub, read
@@ -57,7 +59,7 @@ class StudyController:
         self.settings = self.state.settings = study_settings(read())
         self._earlier = EarlierSessions(*logs)
         self._proposed: dict[str, ConditionProposal] = {}
-        self.questioning = QuestionnaireController(self.state, self._hub.publish)
+        self._allow_next = allow_next
 
     # -- beginning and ending ----------------------------------------------------------------------
 
@@ -77,7 +79,6 @@ class StudyController:
 
     def close(self) -> None:
         """The session ends: so does what is under way."""
-        self.questioning.leave()
         self._end_break("the session ended")
         self._end_trial("aborted", "the session ended")
 
@@ -177,17 +178,11 @@ class StudyController:
             self._between_trials()
 
     def _between_trials(self) -> None:
-        trial, questionnaire = self.state.trial, self.state.questionnaire
-        if trial is not None:
+        if (trial := self.state.trial) is not None:
             raise RequestError(
                 f"trial {trial.started.trial} is running", "end it first", command="trial"
             )
-        if questionnaire is not None:
-            raise RequestError(
-                f"the questionnaire {questionnaire.name!r} is open",
-                "end it first",
-                command="trial",
-            )
+        self._allow_next()
 
     # -- trials and breaks -------------------------------------------------------------------------
 

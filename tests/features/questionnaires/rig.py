@@ -10,6 +10,7 @@ from tests.session import study_rig
 from tests.session.rig import SessionRig
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Study
+from woz_tui.features.questionnaires.in_session import QuestionnaireController
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 
@@ -48,3 +49,8 @@ def on_stage(
     """As the study's rig, with questionnaires."""
     sections: dict[object, Any] = {QUESTIONNAIRES: ASKED}
     return study_rig.on_stage(tmp_path, scenario, study, sections=sections, **options)
+
+
+def questionnaires(rig: SessionRig) -> QuestionnaireController:
+    """Those of a session."""
+    return rig.session.features.of(QuestionnaireController)

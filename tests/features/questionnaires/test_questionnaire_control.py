@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.features.questionnaires.rig import on_stage
+from tests.features.questionnaires.rig import on_stage, questionnaires
 from tests.session.rig import SessionRig
 from tests.session.study_rig import short_messages
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import AskAnswer
-from woz_tui.session.questionnaire_control import LONGEST
+from woz_tui.protocol.welcome import LONGEST
 from woz_tui.timeline.study_history import DueQuestionnaire
 
 ROUND = (m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded)
@@ -30,12 +30,12 @@ def begin_questionnaire(rig: SessionRig) -> None:
 
 
 def ask(rig: SessionRig, name: str, what: str = "begin", source: str = "wizard") -> None:
-    rig.session.study.questioning.begin_or_end(name, what, source)
+    questionnaires(rig).begin_or_end(name, what, source)
 
 
 def answer(rig: SessionRig, item: str, value: float | None = None, **rest: object) -> None:
     request = AskAnswer(questionnaire="ux", item=item, value=value, **rest)  # type: ignore[arg-type]
-    rig.session.study.questioning.answer(request)
+    questionnaires(rig).answer(request)
 
 
 def due(rig: SessionRig) -> list[DueQuestionnaire]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.features.questionnaires.rig import on_stage
+from tests.features.questionnaires.rig import on_stage, questionnaires
 from tests.session.rig import SessionRig
 from tests.session.study_rig import STUDY, short_messages
 from woz_tui.config.study import Design
@@ -82,8 +82,8 @@ def test_the_next_participant_has_had_nothing_yet(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         study = rig.session.study
         assign_participant(rig)
-        study.questioning.begin_or_end("whenever", "begin", "wizard")
-        study.questioning.begin_or_end("whenever", "declined", "wizard")
+        questionnaires(rig).begin_or_end("whenever", "begin", "wizard")
+        questionnaires(rig).begin_or_end("whenever", "declined", "wizard")
         assert {*study.state.had} == {"whenever"}
         rig.session.set("P02")
         assert {*study.state.had} == set()

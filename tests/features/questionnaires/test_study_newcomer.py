@@ -9,7 +9,7 @@ from pathlib import Path
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from tests.features.questionnaires.rig import on_stage
+from tests.features.questionnaires.rig import on_stage, questionnaires
 from tests.session.rig import SessionRig
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
@@ -38,13 +38,13 @@ def take(rig: SessionRig, step: str, what: str) -> None:
             case "trial":
                 study.trial(what, "")
             case "ask":
-                study.questioning.begin_or_end(what, "begin", "wizard")
+                questionnaires(rig).begin_or_end(what, "begin", "wizard")
             case "end" if asking is not None:
-                study.questioning.begin_or_end(asking.name, what, "wizard")
+                questionnaires(rig).begin_or_end(asking.name, what, "wizard")
             case "answer":
                 text = "well" if what == "else" else ""
                 value = None if text else 3.0
-                study.questioning.answer(
+                questionnaires(rig).answer(
                     AskAnswer(questionnaire="ux", item=what, value=value, text=text)
                 )
             case "assign":

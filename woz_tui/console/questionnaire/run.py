@@ -12,8 +12,7 @@ from collections.abc import Callable
 from woz_tui.console.input.keyboard import HELD_US
 from woz_tui.console.state.questionnaires import ItemAnswer, OpenQuestionnaire
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
-from woz_tui.protocol.welcome import ENGLISH, QuestionnaireItem, QuestionnaireWords
-from woz_tui.session.questionnaire_control import LONGEST
+from woz_tui.protocol.welcome import ENGLISH, LONGEST, QuestionnaireItem, QuestionnaireWords
 
 #: Steps of the page keys on a wide scale.
 _LEAP = 10

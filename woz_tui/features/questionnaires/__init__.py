@@ -9,3 +9,5 @@ class Questionnaires(Feature):
     name = "questionnaires"
     section = "section:QUESTIONNAIRES"
     words = "questionnaire"
+    gate = "gate:GATE"
+    session = "in_session:QuestionnaireController"

@@ -2,32 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
-from woz_tui.protocol.requests import AskAnswer
-from woz_tui.protocol.welcome import QuestionnaireItem
-from woz_tui.timeline.study_history import StudyState
-
-#: Characters of the longest answer in words.
-LONGEST = 10_000
-#: Who may put a questionnaire only when it is due.
-PARTICIPANT = "participant"
+from woz_tui.protocol.requesters import PARTICIPANT
+from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
+from woz_tui.protocol.welcome import LONGEST, QuestionnaireItem
+from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 
 
-class QuestionnaireController:
-    """Runs one questionnaire at a time.
+class QuestionnaireController(SessionFeature):
+    """Runs one questionnaire at a time."""
 
-    Args:
-        study: What is due, under way and answered.
-        publish: Publishes a message of the session.
-    """
+    requests = (AskQuestionnaire, AskAnswer)
 
-    def __init__(self, study: StudyState, publish: Callable[[m.Message], object]) -> None:
-        self._study = study
-        self._publish = publish
+    def __init__(self, session: FeatureSession) -> None:
+        super().__init__(session)
+        self._study = session.state.study
+        self._publish = session.hub.publish
+
+    def carry_out(self, request: AskQuestionnaire | AskAnswer, client: Client) -> str:
+        if isinstance(request, AskAnswer):
+            self.answer(request)
+        else:
+            self.begin_or_end(request.questionnaire, request.what, _source(request, client))
+        return ""
+
+    def allow_next(self) -> None:
+        """One that is open belongs to the trial and the participant of its beginning."""
+        if (current := self._study.questionnaire) is not None:
+            raise RequestError(
+                f"the questionnaire {current.name!r} is open", "end it first", command="trial"
+            )
 
     def begin_or_end(self, name: str, what: str, source: str) -> None:
         """Begin a questionnaire, or end the one under way; `what` as in `AskQuestionnaire`."""
@@ -39,8 +47,7 @@ class QuestionnaireController:
             self._all_answered(started)
         self._end(name, what)
 
-    def leave(self) -> None:
-        """End what is under way, because the session ends."""
+    def close(self) -> None:
         if (current := self._study.questionnaire) is not None:
             self._end(current.name, "left")
 
@@ -126,6 +133,15 @@ class QuestionnaireController:
                 skipped=request.skipped,
             )
         )
+
+
+def _source(request: AskQuestionnaire, client: Client) -> str:
+    """Who puts or ends it: a wizard's console says itself what a person used of it."""
+    if client.role == PARTICIPANT:
+        return PARTICIPANT
+    if client.role == "program" and request.source == "wizard":
+        return "program"
+    return request.source
 
 
 def _item_view(item: QuestionnaireItem) -> dict[str, Any]:

@@ -13,8 +13,8 @@ from woz_tui.analysis.tables import (
     EVENTS,
     SAMPLES,
     TableDefinition,
-    answers_wide,
 )
+from woz_tui.features.questionnaires.report import answers_wide
 
 #: All of them, in the order of the page.
 TABLES: tuple[TableDefinition[Any], ...] = (

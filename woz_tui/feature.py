@@ -77,6 +77,25 @@ class CommandLine:
     proposed: tuple[str, str] | tuple[()] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class ParticipantScreen:
+    """A screen of its own for a participant, as `woz attach` opens it with an option.
+
+    `flag` and `help`: of the option, which may have the name of one thing that is shown alone.
+    `app`: `module:Class` inside the feature's package, made like `console.screen_app.ScreenApp`,
+    and with that name as `only`.
+    """
+
+    flag: str
+    help: str
+    app: str
+
+    @property
+    def dest(self) -> str:
+        """Its name among the arguments that were read."""
+        return self.flag.removeprefix("--").replace("-", "_")
+
+
 class Feature:
     """A feature. Every piece may be left out, and is then not there.
 
@@ -110,6 +129,8 @@ class Feature:
         recordings: A mapping from the ends of files' names (`.xdf`) to an
             `export.other_recording.RecordingReader`: recordings of others that it can join.
         figures: An `analysis.feature_figures.FeatureFigures`: what it counts in sessions.
+        gathered: A subclass of `analysis.feature_figures.GatheredFigures`: what it makes of the
+            figures of many sessions.
         report: An `analysis.feature_report.FeatureReport`: its tables in reports and exports.
         session_kind: A `host.session_kind.SessionKind`: a kind of session without a participant.
         bookmarks: A `replay.bookmarks.FeatureBookmarks`: what of it a replay can go to.
@@ -118,6 +139,7 @@ class Feature:
         performer: Who carries out the verbs of its section; its piece `session` is a
             `session.session_features.PerformingFeature` then.
         command: A command of `woz`.
+        screen: A screen for a participant.
     """
 
     name: ClassVar[str]
@@ -140,6 +162,7 @@ class Feature:
     exporters: ClassVar[str] = ""
     recordings: ClassVar[str] = ""
     figures: ClassVar[str] = ""
+    gathered: ClassVar[str] = ""
     report: ClassVar[str] = ""
     session_kind: ClassVar[str] = ""
     bookmarks: ClassVar[str] = ""
@@ -147,6 +170,7 @@ class Feature:
     start: ClassVar[StartOption | None] = None
     performer: ClassVar[PerformerName | None] = None
     command: ClassVar[CommandLine | None] = None
+    screen: ClassVar[ParticipantScreen | None] = None
 
     def file(self, name: str) -> Path | None:
         """A file of the feature's package; None where no name is given."""

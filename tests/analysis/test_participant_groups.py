@@ -11,17 +11,18 @@ from pathlib import Path
 import pytest
 
 from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time, study
+from tests.features.questionnaires.scales import scale_totals
 from woz_tui.analysis import figures_json
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.participant_groups import ConditionRow, GroupedSessions, totals
-from woz_tui.analysis.report_tables import item_tables
 from woz_tui.analysis.session_reading import read_report
 from woz_tui.analysis.tables import rounded
 from woz_tui.cli.report_layout import report_page
 from woz_tui.cli.report_sessions import show_sessions
+from woz_tui.features.questionnaires.scales import item_tables
 from woz_tui.protocol import messages as m
 from woz_tui.system.text_cleaning import cell
 
@@ -127,7 +128,7 @@ def test_scales_have_means_over_participants() -> None:
     found.add(answered_questionnaire("P01", "warm", 4.0, 6.0))
     found.add(answered_questionnaire("P02", "warm", 7.0, None))
     found.add(answered_questionnaire("P03", "cold", None))
-    [item] = found.items("guide.yaml")
+    [item] = scale_totals(found, "guide.yaml")
     assert (item.item, item.condition, item.low, item.high) == ("liked", "warm", 1.0, 7.0)
     assert (item.total.n, item.total.mean) == (2, 6.0)
 
@@ -136,9 +137,9 @@ def test_a_scale_that_was_changed_has_a_mean_of_its_own() -> None:
     found = GroupedSessions()
     found.add(answered_questionnaire("P01", "warm", 5.0, high=5))
     found.add(answered_questionnaire("P02", "warm", 6.0))
-    assert [(item.high, item.total.n, item.total.mean) for item in found.items("guide.yaml")] == [
-        *((5.0, 1, 5.0), (7.0, 1, 6.0))
-    ]
+    assert [
+        (item.high, item.total.n, item.total.mean) for item in scale_totals(found, "guide.yaml")
+    ] == [*((5.0, 1, 5.0), (7.0, 1, 6.0))]
 
 
 def test_a_question_whose_words_were_changed_is_told() -> None:
@@ -146,7 +147,7 @@ def test_a_question_whose_words_were_changed_is_told() -> None:
     found.add(answered_questionnaire("P01", "warm", 5.0))
     found.add(answered_questionnaire("P02", "warm", 6.0, question="I did not like it"))
     found.add(answered_questionnaire("P03", "cold", 6.0))
-    cold, warm = found.items("guide.yaml")
+    cold, warm = scale_totals(found, "guide.yaml")
     assert (warm.total.n, cold.total.n) == (2, 1)
     assert warm.wordings == cold.wordings == ("I liked it", "I did not like it")
     [row] = next(item_tables([warm, cold], found.totals("guide.yaml"))).rows
@@ -237,14 +238,14 @@ def test_answers_say_whether_means_include_them(tmp_path: Path) -> None:
     with table_files(tmp_path) as folder:
         folder.add(figures)
     rows = tables(tmp_path)
-    assert [item.total.mean for item in found.items("guide.yaml")] == [3.0]
+    assert [item.total.mean for item in scale_totals(found, "guide.yaml")] == [3.0]
     answers = [(row["value"], row["counted"]) for row in rows["questionnaires"]]
     assert answers == [("1", "false"), ("2", "false"), ("3", "true")]
     wide = [(row["ux.liked"], row["counted"]) for row in rows["questionnaires_wide"]]
     assert wide == answers
     every = GroupedSessions()
     every.add(figures_of(in_time(session), FigureOptions(all_trials=True)))
-    assert [item.total.mean for item in every.items("guide.yaml")] == [2.5]
+    assert [item.total.mean for item in scale_totals(every, "guide.yaml")] == [2.5]
 
 
 def test_cells() -> None:

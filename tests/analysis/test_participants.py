@@ -10,6 +10,7 @@ import pytest
 
 from tests.analysis.example_sessions import SECOND, STEM, ExampleSession, figures_of, in_time
 from tests.analysis.html.pages import render
+from tests.features.questionnaires.scales import scale_totals
 from woz_tui.analysis import figures_json
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figures import SessionFigures
@@ -157,14 +158,16 @@ def test_answers_without_codes_are_told_apart_by_session_too() -> None:
         session_figures(ExampleSession(participant="", session=name).add(1, *ANSWERED).end(60))
         for name in ("A", "B")
     ]
-    [item] = grouped_sessions(*sessions).items("guide.yaml")
+    [item] = scale_totals(grouped_sessions(*sessions), "guide.yaml")
     assert item.total.n == 2
 
 
 def test_answers_of_nobody_are_in_no_mean() -> None:
     session = ExampleSession(participant="").add(1, *ANSWERED)
     assert (
-        grouped_sessions(session_figures(chosen(session, 20, "P07").end(60))).items("guide.yaml")
+        scale_totals(
+            grouped_sessions(session_figures(chosen(session, 20, "P07").end(60))), "guide.yaml"
+        )
         == []
     )
 

@@ -19,6 +19,7 @@ from tests.analysis.example_sessions import (
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import OUTSIDE, TRIALS, SessionFigures
 from woz_tui.analysis.session_reading import NO_BEGINNING, read_report
+from woz_tui.features.questionnaires.figures import asked_in
 from woz_tui.log.sessions import sessions_in
 from woz_tui.protocol import messages as m
 
@@ -87,7 +88,7 @@ def test_an_answer_about_a_practice_trial_does_not_count() -> None:
         session.add(
             17 + 10 * number, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=1)
         )
-    answers = session_figures(session.end(60)).answers
+    answers = asked_in(session_figures(session.end(60))).answers
     assert [(each.trial, each.counted) for each in answers] == [(0, False), (1, True)]
 
 

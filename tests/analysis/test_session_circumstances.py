@@ -5,10 +5,12 @@ from __future__ import annotations
 import pytest
 
 from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time
+from tests.features.questionnaires.scales import scale_totals
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.features.profiles.kinds import ProfileChanged
+from woz_tui.features.questionnaires.figures import asked_in
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import DesignView, Questionnaire, StudySettings, WelcomeSettings
@@ -183,11 +185,11 @@ def questionnaire() -> ExampleSession:
 
 def test_the_last_answer_of_a_round_counts() -> None:
     figures = session_figures(questionnaire())
-    liked, why, skipped = figures.answers
+    liked, why, skipped = asked_in(figures).answers
     assert (liked.value, liked.round, liked.low, liked.high) == (5.0, 1, 1.0, 7.0)
     assert (why.value, why.text, why.low) == (None, "it was kind", None)
     assert (skipped.value, skipped.skipped, skipped.round, skipped.trial) == (None, True, 2, 3)
-    assert [(each.reason, each.answered, each.items) for each in figures.rounds] == [
+    assert [(each.reason, each.answered, each.items) for each in asked_in(figures).rounds] == [
         ("done", 2, 2),
         ("left", 0, 2),
     ]
@@ -202,7 +204,7 @@ def test_answers_of_a_round_that_was_left_beside_a_whole_one_do_not_count() -> N
         )
         session.add(at + 1, questionnaire_answered)
         session.add(at + 2, m.QuestionnaireEnded(questionnaire="ux", reason=reason, answered=1))
-    answers = session_figures(session.end(12)).answers
+    answers = asked_in(session_figures(session.end(12))).answers
     assert [(each.value, each.counted) for each in answers] == [(1, False), (7, True), (2, False)]
 
 
@@ -216,7 +218,7 @@ def test_a_round_that_was_left_counts_beside_one_without_answers() -> None:
                 m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=5.0),
             )
         session.add(at + 2, m.QuestionnaireEnded(questionnaire="ux", reason="left", answered=1))
-    assert [each.counted for each in session_figures(session.end(12)).answers] == [True]
+    assert [each.counted for each in asked_in(session_figures(session.end(12))).answers] == [True]
 
 
 def test_questionnaires_that_were_due_and_not_answered_are_named() -> None:
@@ -230,7 +232,7 @@ def test_questionnaires_that_were_due_and_not_answered_are_named() -> None:
     session.add(3, m.TrialStarted(trial=2)).add(4, m.TrialEnded(trial=2, outcome="done"))
     answered = m.QuestionnaireEnded(questionnaire="each", reason="done", answered=0)
     session.add(5, m.QuestionnaireStarted(questionnaire="each", title="EACH", items=[]), answered)
-    assert session_figures(session.end(9)).unanswered == (
+    assert asked_in(session_figures(session.end(9))).unanswered == (
         "EACH (after trial 1)",
         "LAST (at the end)",
     )
@@ -240,7 +242,7 @@ def test_answers_whose_beginning_is_lost_are_kept() -> None:
     session = ExampleSession().add(
         2, m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=2.0)
     )
-    assert [each.value for each in session_figures(session.end(3)).answers] == [2.0]
+    assert [each.value for each in asked_in(session_figures(session.end(3))).answers] == [2.0]
 
 
 def test_lost_drivers_and_consoles() -> None:
@@ -299,11 +301,11 @@ def test_answers_about_a_trial_count_as_it_does(outcome: str, counted: bool) -> 
     answer = m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=5.0)
     session.add(11, answer)
     session.add(12, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=1)).end(20)
-    (row,) = session_figures(session).answers
+    (row,) = asked_in(session_figures(session)).answers
     assert row.counted is counted
     grouped = GroupedSessions()
     grouped.add(session_figures(session))
-    assert len(grouped.items(grouped.experiments[0])) == counted
+    assert len(scale_totals(grouped, grouped.experiments[0])) == counted
 
 
 def test_answers_about_a_condition_count_with_one_of_its_trials() -> None:
@@ -315,5 +317,5 @@ def test_answers_about_a_condition_count_with_one_of_its_trials() -> None:
             session.add(trial * 2 + 1, m.TrialEnded(trial=trial, outcome=outcome))
         session.add(10, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[], trial=2))
         answer = m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=5.0)
-        (row,) = session_figures(session.add(11, answer).end(20)).answers
+        (row,) = asked_in(session_figures(session.add(11, answer).end(20))).answers
         assert row.counted is ("done" in outcomes)

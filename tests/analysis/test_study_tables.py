@@ -23,6 +23,7 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
+from tests.features.questionnaires.rig import due as due_in
 from tests.features.questionnaires.rig import questionnaires, study_experiment
 from tests.session.rig import SessionRig
 from woz_tui.cli import main
@@ -111,7 +112,7 @@ async def play_trial(rig: SessionRig, outcome: str, chance: random.Random) -> No
     study.trial(outcome, "")
     rig.session.play("Hello", KEY)  # belongs to no trial
     await asyncio.sleep(2)
-    for due in [*study.state.due]:
+    for due in due_in(rig):
         if due.questionnaire not in ("each", "ux"):
             continue
         questionnaires(rig).begin_or_end(due.questionnaire, "begin", "wizard")

@@ -25,6 +25,7 @@ from woz_tui.config.performers import performers
 from woz_tui.export.event_extraction import EventExtractor
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.tiers import TierSpan, tiers_of
+from woz_tui.features.questionnaires.figures import asked_in
 from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -285,9 +286,9 @@ def check_moments(session_tables: Tables) -> None:
     assert row_counts(session_tables.events("note"), *whose) == by_part(
         session_tables, lambda part: {(): part.notes}
     )
-    assert sorted((each.questionnaire, each.t) for each in session_tables.figures.rounds) == sorted(
-        (row["label"], us(row["onset"])) for row in session_tables.events("questionnaire")
-    )
+    assert sorted(
+        (each.questionnaire, each.t) for each in asked_in(session_tables.figures).rounds
+    ) == sorted((row["label"], us(row["onset"])) for row in session_tables.events("questionnaire"))
 
 
 def check_times(messages: Sequence[m.Message]) -> Tables:

@@ -21,6 +21,7 @@ from tests.replay.logs import seen_by_wizard, stamped
 from tests.timeline.random_sessions import damaged, plan, recordings, start
 from tests.timeline.random_sessions import stamped as stamped_again
 from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.features.questionnaires.console import questionnaires_of
 from woz_tui.protocol import messages as m
 from woz_tui.session.recent_messages import RecentMessages
 from woz_tui.session.session_plan import welcome
@@ -58,7 +59,7 @@ HAD = questionnaire_ended("robot"), questionnaire_ended("end", "declined")
 COURSES: dict[str, tuple[list[m.Message], Callable[[ConsoleState], object], object]] = {
     "a participant who comes back has had nothing": (
         [conditions_assigned(), *HAD, somebody("P08"), somebody("P07")],
-        lambda picture: (picture.session.study.participant, picture.session.study.had),
+        lambda picture: (picture.session.study.participant, questionnaires_of(picture).history.had),
         ("P07", {}),
     ),
     "a questionnaire that was had, and then begun and left, was had": (
@@ -69,7 +70,10 @@ COURSES: dict[str, tuple[list[m.Message], Callable[[ConsoleState], object], obje
             questionnaire_started(),
             questionnaire_ended("robot", "left"),
         ],
-        lambda picture: ([*picture.session.study.had], picture.study.open_questionnaire),
+        lambda picture: (
+            [*questionnaires_of(picture).history.had],
+            questionnaires_of(picture).open,
+        ),
         (["robot"], None),
     ),
     "where a participant sits": (

@@ -9,10 +9,11 @@ from tests.console import scenes, study_scene
 from tests.console.piloting import piloted_console
 from tests.console.scripted_feed import raw
 from woz_tui.console.screens.leave import LeaveDialog
-from woz_tui.console.screens.questionnaire import QuestionnaireDialog
 from woz_tui.console.screens.start import StartDialog
-from woz_tui.console.screens.trial import OfferDialog, TrialDialog, trial_status
+from woz_tui.console.screens.trial import TrialDialog, trial_status
 from woz_tui.console.state.study import StudyView
+from woz_tui.features.questionnaires.console import QuestionnaireNotes
+from woz_tui.features.questionnaires.dialog import OfferDialog, QuestionnaireDialog
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.timeline.study_history import StudyState
@@ -518,6 +519,12 @@ def tell(study_view: StudyView, *messages: m.Message) -> None:
         study_view.apply(message)
 
 
+def asked(study_view: StudyView) -> QuestionnaireNotes:
+    notes = study_view.notes.of(QuestionnaireNotes)
+    assert notes is not None
+    return notes
+
+
 @pytest.mark.parametrize(
     ("number", "outcome", "due"),
     [
@@ -534,9 +541,9 @@ def test_what_is_due_after_a_trial(number: int, outcome: str, due: list[str]) ->
     study_view = study(
         study_scene.trial(number), trial_ended(number, outcome), questionnaires=listed
     )
-    assert study_view.due == due
+    assert asked(study_view).due == due
     tell(study_view, study_scene.trial(number + 1, ago=0))
-    assert study_view.due == []
+    assert asked(study_view).due == []
 
 
 def test_what_was_left_stays_due_and_what_was_answered_does_not() -> None:
@@ -546,9 +553,9 @@ def test_what_was_left_stays_due_and_what_was_answered_does_not() -> None:
         study_scene.questionnaire_started(study_scene.QUICK),
         study_scene.questionnaire_ended("quick", "left"),
     )
-    assert study_view.due == ["quick"]
+    assert asked(study_view).due == ["quick"]
     tell(study_view, study_scene.questionnaire_ended("quick"))
-    assert study_view.due == []
+    assert asked(study_view).due == []
 
 
 def test_without_participant_and_trial_nothing_is_for_the_end() -> None:
@@ -557,9 +564,9 @@ def test_without_participant_and_trial_nothing_is_for_the_end() -> None:
     study_view.session.study.settings = study_scene.study_settings(
         study_scene.study_description(questionnaires=last)
     )
-    assert study_view.unanswered() == []
+    assert asked(study_view).unanswered() == []
     tell(study_view, m.SessionChanged(participant="P08", t=NOW))
-    assert study_view.unanswered() == ["last"]
+    assert asked(study_view).unanswered() == ["last"]
 
 
 @pytest.mark.parametrize(("source", "told"), [("midi", 1), ("gamepad", 1), ("engagement", 0)])
@@ -577,11 +584,16 @@ def test_another_participant_begins_anew() -> None:
         study_scene.questionnaire_ended("quick"),
         study_scene.questionnaire_ended(),
     )
-    assert study_view.unanswered() == []
+    assert asked(study_view).unanswered() == []
     tell(study_view, m.SessionChanged(participant="P08", t=NOW))
     state = study_view.session.study
-    assert (state.order, state.planned, study_view.due, state.last_ended) == ((), 0, [], None)
-    assert study_view.unanswered() == ["robot"]
+    assert (state.order, state.planned, asked(study_view).due, state.last_ended) == (
+        (),
+        0,
+        [],
+        None,
+    )
+    assert asked(study_view).unanswered() == ["robot"]
 
 
 def test_where_a_session_stands_in_words() -> None:

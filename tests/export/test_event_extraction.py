@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings
 
 from tests.export.logs import Timed, courses, session_of, start, visit
 from woz_tui.export.event_model import ExportEvent, ExportSession
+from woz_tui.features.questionnaires.figures import asked_in
 from woz_tui.protocol import messages as m
 
 
@@ -215,7 +216,7 @@ def test_a_break_belongs_to_no_trial_also_where_numbers_are_set_by_hand(tmp_path
 
 def test_the_last_answer_counts_and_has_its_scale(tmp_path: Path) -> None:
     session = session_of(tmp_path, visit())
-    friendly, other = session.figures.answers
+    friendly, other = asked_in(session.figures).answers
     assert (friendly.value, friendly.low, friendly.high, friendly.answered_us) == (
         6.0,
         1,
@@ -260,7 +261,7 @@ def test_a_questionnaire_whose_beginning_is_lost_begins_with_its_first_answer(
     assert (event.label, event.begin, event.end, event.outcome) == (
         *("q", 1_000_000, 2_000_000, "done"),
     )
-    assert [(each.item, each.round, each.value) for each in session.figures.answers] == [
+    assert [(each.item, each.round, each.value) for each in asked_in(session.figures).answers] == [
         ("a", 1, 3.0)
     ]
 

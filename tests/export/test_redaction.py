@@ -21,6 +21,7 @@ from tests.protocol.examples import messages as examples
 from woz_tui.analysis.session_reading import ReportExtras, read_report
 from woz_tui.export.export_run import FORMATS
 from woz_tui.export.redaction import KEPT_AT, KEPT_IN, PLACEHOLDER, redacted
+from woz_tui.features.questionnaires.figures import asked_in
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.envelope import Json
@@ -280,8 +281,8 @@ def test_figures_are_the_same_without_words(tmp_path: Path) -> None:
     assert (plain.redacted, published.redacted) == (False, True)
     assert [cue.result for cue in published.cues] == ["answered"]
     assert published.whole.engagement.off_us == 5_000_000
-    assert (len(plain.unanswered), len(published.unanswered)) == (1, 1)
-    assert [each.reason for each in published.rounds] == ["declined"]
+    assert (len(asked_in(plain).unanswered), len(asked_in(published).unanswered)) == (1, 1)
+    assert [each.reason for each in asked_in(published).rounds] == ["declined"]
     assert [(each.lost, each.why) for each in published.consoles] == [(False, ""), (True, "left")]
     assert published.addressed == plain.addressed
     assert "Anna" not in content(tmp_path / "kept-log")

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.virtual_time import run_virtual
-from tests.features.questionnaires.rig import questionnaires, study_experiment
+from tests.features.questionnaires.rig import due, history, questionnaires, study_experiment
 from tests.session.rig import SessionRig
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.session_reading import read_report
@@ -81,12 +81,11 @@ class RandomWizard:
         self.rig.session.study.assign(participant, order)
 
     def _ask(self) -> None:
-        study = self.rig.session.study
-        current = study.state.questionnaire
+        current = history(self.rig).questionnaire
         if current is None or current.started is None:
-            due = [each.questionnaire for each in study.state.due]
+            now = [each.questionnaire for each in due(self.rig)]
             questionnaires(self.rig).begin_or_end(
-                self.chance.choice([*due, "whenever"]), "begin", "wizard"
+                self.chance.choice([*now, "whenever"]), "begin", "wizard"
             )
         elif self.chance.random() < 0.4:
             how = self.chance.choice(["done", "declined", "left"])

@@ -455,7 +455,7 @@ def test_the_preflight_list_is_ticked_by_hand_and_filled_by_the_robot(tmp_path: 
         assert "there are the door is shut, the camera" in caught.value.hint
         found = await preflight(rig.session)
         assert {finding.subject for finding in found} < {*study.state.checks}
-        assert study_snapshot(study.settings, study.state).preflight == [
+        assert study_snapshot(study.settings, rig.session.state).preflight == [
             PreflightCheck("the door is shut", ok=True),
             PreflightCheck("the camera sees the table", ok=False),
         ]

@@ -18,6 +18,7 @@ from tests.timeline.random_sessions import damaged, recordings, stamped, start
 from woz_tui.features.delay.history import DelayHistory
 from woz_tui.features.phases.history import PhaseHistory
 from woz_tui.features.profiles.history import ProfileHistory
+from woz_tui.features.questionnaires.history import QuestionnaireHistory
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.kinds import message_kinds
@@ -44,13 +45,14 @@ def state_of(messages: list[m.Message] | list[m.Message]) -> SessionState:
 def known_state(state: SessionState) -> dict[str, Any]:
     """What a newcomer must know."""
     study, model = state.study, state.model
+    asked = state.history(QuestionnaireHistory)
     stop = state.stop
     return {
         "context": study.context,
         "study": (study.participant, study.condition, study.next_trial, study.order, study.planned),
         "over": (study.over, study.trials_left),
-        "answers": study.questionnaire and study.questionnaire.answers,
-        "due": (study.due, study.had, study.checks),
+        "answers": asked.questionnaire and asked.questionnaire.answers,
+        "due": (asked.due(state), asked.had, study.checks),
         "stage": study.stage and study.stage.began,
         "trial": (study.trial and study.trial.started, study.last_started, study.last_ended),
         "break": study.in_break and study.in_break.started,

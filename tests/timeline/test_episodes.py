@@ -9,6 +9,7 @@ import pytest
 from tests.timeline.random_sessions import SECOND, plan, start, timed
 from woz_tui.features.profiles.history import ProfileEpisode
 from woz_tui.features.profiles.kinds import ProfileChanged
+from woz_tui.features.questionnaires.history import DueQuestionnaire, QuestionnaireHistory
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
     ActionEpisode,
@@ -27,7 +28,6 @@ from woz_tui.timeline.episodes import (
     StopEpisode,
 )
 from woz_tui.timeline.session_state import SessionState
-from woz_tui.timeline.study_history import DueQuestionnaire
 from woz_tui.timeline.timeline import timeline_of
 
 E = TypeVar("E", bound=Episode)
@@ -375,6 +375,11 @@ def state_of(*course: tuple[float, m.Message]) -> SessionState:
     return state
 
 
+def due(*course: tuple[float, m.Message]) -> list[DueQuestionnaire]:
+    state = state_of(*course)
+    return state.history(QuestionnaireHistory).due(state)
+
+
 ASSIGNED = m.ConditionsAssigned(participant="P01", order=["warm", "cold"], method="hand")
 
 
@@ -385,15 +390,12 @@ def test_questionnaires_are_due_behind_a_trial_until_they_were_had() -> None:
         (3, m.TrialEnded(trial=2, outcome="done")),
     ]
     study = state_of(*trials).study
-    assert study.due == [DueQuestionnaire("each", 2), DueQuestionnaire("ux", 2)]
+    assert due(*trials) == [DueQuestionnaire("each", 2), DueQuestionnaire("ux", 2)]
     assert (study.next_trial, study.planned, list(study.order)) == (3, 4, ["warm", "cold"])
-    assert state_of(*trials, (4, questionnaire_ended("ux", "left"))).study.due == study.due
-    assert state_of(*trials, (4, questionnaire_ended("ux", "declined"))).study.due == [
-        DueQuestionnaire("each", 2)
-    ]
-    assert state_of(*trials, (4, m.TrialStarted(trial=3))).study.due == []
-    last = state_of(*trials, (4, m.TrialEnded(trial=4, outcome="done"))).study
-    assert last.due == [
+    assert due(*trials, (4, questionnaire_ended("ux", "left"))) == due(*trials)
+    assert due(*trials, (4, questionnaire_ended("ux", "declined"))) == [DueQuestionnaire("each", 2)]
+    assert due(*trials, (4, m.TrialStarted(trial=3))) == []
+    assert due(*trials, (4, m.TrialEnded(trial=4, outcome="done"))) == [
         DueQuestionnaire("each", 4),
         DueQuestionnaire("ux", 4),
         DueQuestionnaire("last", -1),
@@ -409,7 +411,7 @@ def test_a_questionnaire_that_was_had_once_stays_had_when_it_is_left() -> None:
     late = SessionState()
     for message in state.messages():
         late.apply(message)
-    assert set(state.study.had) == set(late.study.had) == {"ux"}
+    assert all(set(each.history(QuestionnaireHistory).had) == {"ux"} for each in (state, late))
 
 
 def test_a_sensor_that_gives_a_value_is_not_stale_any_more() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TypeVar
 
 from tests.timeline.random_sessions import SECOND, plan, start, timed
+from woz_tui.features.questionnaires.history import QuestionnaireHistory
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
     BreakEpisode,
@@ -201,4 +202,4 @@ def test_who_comes_back_has_been_asked_nothing_yet() -> None:
             (4, m.SessionChanged(participant="P01")),
         )
     )
-    assert timeline.state.study.had == {}
+    assert timeline.state.history(QuestionnaireHistory).had == {}

@@ -19,10 +19,11 @@ from typing import TYPE_CHECKING, Any, TextIO
 import msgspec
 
 from woz_tui import __version__
-from woz_tui.analysis.feature_report import figure_tables
+from woz_tui.analysis.feature_report import FeatureReport, figure_tables
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.spreadsheets import PLAIN, CsvFormat
-from woz_tui.analysis.tables import Cell, TableDefinition, answers_wide, rounds_wide
+from woz_tui.analysis.tables import Cell, TableDefinition
+from woz_tui.feature import pieces
 from woz_tui.system.text_cleaning import cell
 
 if TYPE_CHECKING:
@@ -69,7 +70,8 @@ class TableFiles:
         self._changed: set[str] = set()
         self._tables = (*more, *figure_tables())
         self._files = ExitStack()
-        self._wide: list[dict[str, Cell]] = []
+        self._reports = pieces("report", FeatureReport)
+        self._wide: dict[str, list[Mapping[str, Cell]]] = {name: [] for name in self._reports}
         #: What is wrong with logs, by name.
         self._damage: dict[str, Sequence[str]] = {}
         self._writers = {table.name: self._begun(table) for table in self._tables}
@@ -87,7 +89,8 @@ class TableFiles:
         """
         for table in figure_tables():
             self.write(table, figures, table.rows(figures))
-        self._wide += rounds_wide(figures)
+        for name, report in self._reports.items():
+            self._wide[name] += report.wide_rows(figures)
         if figures.wholeness.sentences:
             self._damage[figures.stem] = figures.wholeness.sentences
         codes = {figures.session, figures.wizard, *figures.participants, *figures.conditions}
@@ -108,15 +111,19 @@ class TableFiles:
         )
 
     def finish(self) -> None:
-        """Write the wide table and the data dictionary, then close the files."""
-        items = [name for row in self._wide for name in row if "." in name]
-        wide = answers_wide(dict.fromkeys(items))
-        writer = self._begun(wide)
-        for row in self._wide:
-            writer.writerow(
-                self._format.cell(column.cell(_NONE, row), column.type) for column in wide.columns
-            )
-        package = _package((*self._tables, wide), self._damage, self._format)
+        """Write the wide tables and the data dictionary, then close the files."""
+        made = [
+            (report.wide_table(self._wide[name]), name) for name, report in self._reports.items()
+        ]
+        wide = [(table, self._wide[name]) for table, name in made if table is not None]
+        for table, rows in wide:
+            writer = self._begun(table)
+            for row in rows:
+                writer.writerow(
+                    self._format.cell(of.cell(_NONE, row), of.type) for of in table.columns
+                )
+        tables = (*self._tables, *(table for table, _ in wide))
+        package = _package(tables, self._damage, self._format)
         with self._opened(DICTIONARY) as file:
             file.write(json.dumps(package, indent=2, ensure_ascii=False) + "\n")
         self.close()

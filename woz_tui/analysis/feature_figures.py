@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import CueRow
+from woz_tui.analysis.outcomes import Outcome
 from woz_tui.analysis.report_table import ReportTable
-from woz_tui.timeline.episodes import CommandEpisode
+from woz_tui.timeline.episodes import CommandEpisode, Episode
 from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context
 
@@ -60,6 +61,43 @@ class CommandPicture:
     facts: Sequence[tuple[str, str]] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Instant:
+    """Something that happened: a marker, a note, a mistake, an answer to a questionnaire."""
+
+    t: int
+    label: str
+    sort: str
+    detail: str = ""
+
+
+class GatheredFigures:
+    """What a feature makes of many sessions, one after the other; made without arguments."""
+
+    def add(self, experiment: str, figures: Any) -> None:
+        """Add the `figures.SessionFigures` of a session with participants."""
+
+    def tables(self, experiment: str, totals: Any) -> Iterator[ReportTable]:
+        """What reports of an experiment show, behind its means by condition (the `totals`,
+        `participant_groups.ConditionTotal`).
+        """
+        yield from ()
+
+    def outcomes(self, experiment: str, first: Mapping[str, str]) -> Iterable[Outcome]:
+        """What people said, to be compared between the conditions of an experiment. `first`: the
+        condition that each participant had first.
+        """
+        return ()
+
+    def remarks(self, experiment: str) -> Iterator[str]:
+        """What is wrong with that, in sentences."""
+        yield from ()
+
+    def values(self, experiment: str) -> Mapping[str, Any]:
+        """What JSON says of an experiment."""
+        return {}
+
+
 class FeatureFigures:
     """A feature's figures of a session. What `count` returns is given to the others.
 
@@ -81,6 +119,22 @@ class FeatureFigures:
         """The figures of one session; None: there is nothing to say."""
         return None
 
+    def busy(self, figures: Any) -> Collection[str]:
+        """Codes of participants who did something by it: they took part."""
+        return ()
+
+    def narrowed(self, figures: Any, people: Collection[str]) -> Any:
+        """The same figures once it is known who took part."""
+        return figures
+
+    def values(self, name: str, figures: Any) -> Mapping[str, Any]:
+        """What JSON says of a session. `name`: the feature's; `figures`: None if it has none."""
+        return {self.key or name: self.nothing if figures is None else figures}
+
+    def instant(self, episode: Episode) -> Instant | None:
+        """What an episode of its own is among the marks of a timeline; None: nothing."""
+        return None
+
     def times(self, timeline: Timeline) -> Iterator[tuple[Context, str, int]]:
         """Durations in microseconds: the context in which each counts, and what it is one of."""
         yield from ()
@@ -91,6 +145,12 @@ class FeatureFigures:
 
     def circumstances(self, figures: Any) -> Iterator[str]:
         """Sentences on the circumstances of a session, for its report."""
+        yield from ()
+
+    def attended(self, sessions: Sequence[Any]) -> Iterator[str]:
+        """Sentences for the methods section on what participants did. `sessions`: figures of those
+        that had any.
+        """
         yield from ()
 
     def methods(self, sessions: Sequence[Any]) -> Iterator[str]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 from woz_tui.analysis.feature_figures import ApartSession
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.report_table import ReportTable
-from woz_tui.analysis.tables import FIGURES, TableDefinition
+from woz_tui.analysis.tables import FIGURES, Cell, TableDefinition
 from woz_tui.feature import pieces
 
 
@@ -21,16 +22,36 @@ class FigureTile(NamedTuple):
     more: str
 
 
+@dataclass(frozen=True, slots=True)
+class BehaviourTable:
+    """Rows of a participant that BIDS has in a `_beh.tsv`: columns of a table, in this order."""
+
+    table: TableDefinition[Any]
+    columns: Sequence[str]
+
+
 class FeatureReport:
     """What a feature has in reports. Figures are those of its `FeatureFigures`.
 
     Attributes:
         tables: Its files among those of `woz report --csv` and `woz export`.
         about: A line on each of them for the README of an export.
+        behaviour: What BIDS has of a participant's behaviour.
     """
 
     tables: ClassVar[tuple[TableDefinition[Any], ...]] = ()
     about: ClassVar[tuple[str, ...]] = ()
+    behaviour: ClassVar[BehaviourTable | None] = None
+
+    def wide_rows(self, figures: SessionFigures) -> Sequence[Mapping[str, Cell]]:
+        """Rows of a session for `wide_table`, cells by column."""
+        return ()
+
+    def wide_table(
+        self, rows: Iterable[Mapping[str, Cell]]
+    ) -> TableDefinition[Mapping[str, Cell]] | None:
+        """A table whose columns depend on the `rows` of all sessions; None: there is none."""
+        return None
 
     def apart(self, sessions: Sequence[ApartSession]) -> ReportTable | None:
         """The table of its sessions in which nobody took part."""

@@ -67,7 +67,6 @@ def figures_of(
     state = timeline.state
     start, assigned, ended = state.start or _NO_START, state.study.assigned, state.end
     trials = tuple(event_rows.trials(timeline))
-    answers = [*event_rows.answers(timeline)]
     acts = acts_of(timeline)
     kinds = pieces("figures", FeatureFigures)
     cues = cues_of(timeline, acts, options.window_us, options.waiting)
@@ -85,7 +84,16 @@ def figures_of(
     }
     rerun_of = next((each.label for each in reversed(timeline.of(e.RerunEpisode))), "")
     nobody = rerun_of or any(each.apart and name in features for name, each in kinds.items())
-    people = set() if nobody else taking_part(tallies, trials, answers)
+    busy = {
+        code
+        for name, figures in features.items()
+        for code in answers_of(name, kinds[name].busy, figures)
+    }
+    people = set() if nobody else taking_part(tallies, trials, busy)
+    features = {
+        name: answer_of(name, figures, kinds[name].narrowed, figures, people)
+        for name, figures in features.items()
+    }
 
     def counted(context: Context) -> bool:
         return counts_in_means(timeline, people, context)
@@ -125,11 +133,6 @@ def figures_of(
         breaks=tuple(event_rows.breaks(timeline)),
         stops=tuple(event_rows.stops(timeline)),
         marks=tuple(event_rows.marks(timeline)),
-        answers=tuple(
-            each if each.participant in people else replace(each, counted=False) for each in answers
-        ),
-        rounds=tuple(event_rows.rounds(timeline)),
-        unanswered=tuple(event_rows.unanswered(timeline)),
         panels=tuple(_panels(plan)),
         features=features,
         consoles=tuple(event_rows.consoles(timeline)),

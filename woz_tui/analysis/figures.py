@@ -13,14 +13,12 @@ from typing import Any
 
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import (
-    AnswerRow,
     ConsoleRow,
     CueRow,
     MarkRow,
     PanelRow,
     PhaseRow,
     RestrictionRow,
-    RoundRow,
     SettingRow,
     SpanRow,
     StopRow,
@@ -318,8 +316,7 @@ class SessionFigures:
     them together. Both leave out what happened in trials that do not count, unless `all_trials`.
     Everything else is of the session as it was. `robot`: the one that played instead of the file's
     own. `participants` are those who took part, nobody in a re-run or a session `apart`;
-    `participant` names them, or all codes if nobody did. `unanswered` are titles of questionnaires
-    that were due and neither answered nor declined, and after which trial.
+    `participant` names them, or all codes if nobody did.
     `people` and `addressed` are empty unless samples were read.
     """
 
@@ -353,8 +350,6 @@ class SessionFigures:
     breaks: tuple[SpanRow, ...]
     stops: tuple[StopRow, ...]
     marks: tuple[MarkRow, ...]
-    answers: tuple[AnswerRow, ...]
-    rounds: tuple[RoundRow, ...]
     panels: tuple[PanelRow, ...]
     #: What features count, by name.
     features: Mapping[str, Any]
@@ -373,7 +368,6 @@ class SessionFigures:
     monotonic_us: int | None = None
     lines: int = 0
     redacted: bool = False
-    unanswered: tuple[str, ...] = ()
     people: tuple[PeopleRow, ...] = ()
     addressed: tuple[AddressedRow, ...] = ()
 

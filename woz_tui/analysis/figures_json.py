@@ -36,7 +36,7 @@ def plain(value: Any) -> Any:
             del found["times"]
         elif isinstance(value, SessionFigures):
             for name, each in pieces("figures", FeatureFigures).items():
-                found[each.key or name] = plain(value.features.get(name, each.nothing))
+                found |= plain(dict(each.values(name, value.features.get(name))))
             del found["features"]
         return found
     return value
@@ -49,7 +49,11 @@ def grouped(found: GroupedSessions) -> list[dict[str, Any]]:
             "experiment": experiment,
             "files": found.files(experiment),
             "conditions": plain(found.totals(experiment)),
-            "scales": plain(found.items(experiment)),
+            **{
+                name: plain(value)
+                for each in found.gathered.values()
+                for name, value in each.values(experiment).items()
+            },
             "outcomes": [_outcome(each) for each in found.outcomes(experiment).outcomes],
             "reactions": {
                 condition: plain(each) | {"median_us": each.median_us}

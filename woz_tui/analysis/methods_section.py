@@ -132,10 +132,9 @@ def _attended(facts: StudyFacts) -> Iterator[str]:
     for robot, count in sorted(facts.robots.items()):
         if robot:
             yield f"In {counted(count, 'session')} the file was played with the robot {robot}."
-    for name, count in facts.questionnaires.items():
-        yield f"The questionnaire {name} was given {times(count)}."
-    if facts.declined:
-        yield f"Participants declined {counted(facts.declined, 'questionnaire')}."
+    for name, each in pieces("figures", FeatureFigures).items():
+        if name in facts.features:
+            yield from each.attended(facts.features[name])
 
 
 def _lengths(facts: StudyFacts) -> str:

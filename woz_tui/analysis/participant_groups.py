@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 from woz_tui.analysis.durations import mean_and_sd
 from woz_tui.analysis.experiment_names import ExperimentNames
-from woz_tui.analysis.feature_figures import ApartSession
+from woz_tui.analysis.feature_figures import ApartSession, GatheredFigures
 from woz_tui.analysis.figures import OUTSIDE, SESSION, SessionFigures
 from woz_tui.analysis.intervals import FEWEST
 from woz_tui.analysis.measures import MEASURES, measured
-from woz_tui.analysis.participants import participants_of, who_took_part
+from woz_tui.analysis.participants import who_took_part
 from woz_tui.analysis.study_outcomes import StudyOutcomes
+from woz_tui.feature import pieces
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,21 +53,8 @@ class ConditionTotal:
     values: Mapping[str, Total]
 
 
-@dataclass(frozen=True, slots=True)
-class ItemTotal:
-    """A scale of a questionnaire in one condition: over participants, as in `Total`. `wordings` are
-    all questions that were asked under the item's name and on this scale, in any condition;
-    `question` is the first of them.
-    """
-
-    questionnaire: str
-    item: str
-    question: str
-    condition: str
-    low: float | None
-    high: float | None
-    total: Total
-    wordings: tuple[str, ...]
+def _gathering() -> dict[str, GatheredFigures]:
+    return {name: kind() for name, kind in pieces("gathered", type).items()}
 
 
 @dataclass(slots=True)
@@ -78,10 +67,8 @@ class GroupedSessions:
     reruns: list[str] = field(default_factory=list)
     #: Sessions whose log is not whole: who and which, and what is wrong.
     damaged: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
-    #: By experiment, questionnaire, item and the ends of its scale.
-    _items: dict[tuple[str, str, str, float | None, float | None], _Item] = field(
-        default_factory=dict
-    )
+    #: What features gather, by name.
+    gathered: dict[str, GatheredFigures] = field(default_factory=_gathering)
     _outcomes: dict[str, StudyOutcomes] = field(default_factory=dict)
     _names: ExperimentNames = field(default_factory=ExperimentNames)
     #: Of the experiment's file, and of logs that only tell it and its robot files together.
@@ -101,7 +88,7 @@ class GroupedSessions:
             self.reruns.append(figures.session or figures.stem)
             return
         self._sessions[experiment] += 1
-        self._outcomes.setdefault(experiment, StudyOutcomes()).add(figures)
+        self._outcomes.setdefault(experiment, self._fresh(experiment)).add(figures)
         own, joined = self._hashes.setdefault(experiment, (set(), set()))
         if figures.file_sha256:
             own.add(figures.file_sha256)
@@ -119,17 +106,8 @@ class GroupedSessions:
                     scope=part.scope,
                 )
             )
-        people = participants_of(figures) if figures.all_trials else ()
-        for answer in figures.answers:
-            if answer.value is None or not (answer.counted or answer.participant in people):
-                continue
-            key = (experiment, answer.questionnaire, answer.item, answer.low, answer.high)
-            item = self._items.setdefault(key, _Item())
-            item.wordings[answer.question] = None
-            values = item.values.setdefault(answer.condition, {})
-            values.setdefault(who_took_part(answer.participant, figures.session), []).append(
-                answer.value
-            )
+        for each in self.gathered.values():
+            each.add(experiment, figures)
 
     @property
     def sessions(self) -> int:
@@ -169,29 +147,13 @@ class GroupedSessions:
         """What is compared between its conditions."""
         return self._outcomes.get(experiment) or StudyOutcomes()
 
+    def _fresh(self, experiment: str) -> StudyOutcomes:
+        said = [partial(each.outcomes, experiment) for each in self.gathered.values()]
+        return StudyOutcomes(said=said)
+
     def totals(self, experiment: str) -> list[ConditionTotal]:
         """By condition."""
         return totals(self.of(experiment))
-
-    def items(self, experiment: str) -> list[ItemTotal]:
-        """Means of all scales, by questionnaire, item, scale and condition."""
-        return [
-            ItemTotal(
-                *(questionnaire, name, next(iter(item.wordings)), condition, low, high),
-                total=_total(values),
-                wordings=tuple(item.wordings),
-            )
-            for (of, questionnaire, name, low, high), item in self._items.items()
-            if of == experiment
-            for condition, values in sorted(item.values.items())
-        ]
-
-
-@dataclass(slots=True)
-class _Item:
-    wordings: dict[str, None] = field(default_factory=dict)
-    #: Condition -> participant -> answers.
-    values: dict[str, dict[str, list[float]]] = field(default_factory=dict)
 
 
 def totals(rows: Sequence[ConditionRow]) -> list[ConditionTotal]:
@@ -206,7 +168,7 @@ def totals(rows: Sequence[ConditionRow]) -> list[ConditionTotal]:
                 participants=len({who_took_part(row.participant, row.session) for row in of_it}),
                 rows=len(of_it),
                 values={
-                    measure.name: _total(_by_participant(of_it, measure.name))
+                    measure.name: total_of(_by_participant(of_it, measure.name))
                     for measure in MEASURES
                 },
             )
@@ -223,6 +185,7 @@ def _by_participant(rows: Iterable[ConditionRow], name: str) -> dict[str, list[f
     return values
 
 
-def _total(values: Mapping[str, Sequence[float]]) -> Total:
+def total_of(values: Mapping[str, Sequence[float]]) -> Total:
+    """Of the values of participants, by who they are."""
     means = [sum(each) / len(each) for each in values.values() if each]
     return Total(len(means), *mean_and_sd(means), tuple(means) if len(means) < FEWEST else ())

@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Sequence
 
-from woz_tui.analysis.event_rows import AnswerRow, TrialRow
+from woz_tui.analysis.event_rows import TrialRow
+from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.figure_sums import Tally
 from woz_tui.analysis.figures import OUTSIDE, PartFigures, SessionFigures
+from woz_tui.feature import answer_of, pieces
 from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context
 
@@ -18,19 +20,20 @@ NOBODY = "no participant"
 
 
 def taking_part(
-    tallies: Sequence[Tally], trials: Iterable[TrialRow], answers: Iterable[AnswerRow]
+    tallies: Sequence[Tally], trials: Iterable[TrialRow], others: Iterable[str]
 ) -> set[str]:
     """The participants whose figures count, by code.
 
     In a session that had a participant the time without one is nobody's, and somebody took part
-    who had a trial, a wizard action, a cue, an answer to a questionnaire, or at least `SLIP_US`. A
+    who had a trial, a wizard action, a cue, or at least `SLIP_US`, or did something by a feature
+    (`others`, codes). A
     session in which no code was ever given had one participant, whose code is empty.
     """
     codes = {tally.participant for tally in tallies}
     if codes <= {""}:
         return {""}
     times = dict.fromkeys(codes, 0)
-    busy = {trial.participant for trial in trials} | {answer.participant for answer in answers}
+    busy = {trial.participant for trial in trials} | {*others}
     for tally in tallies:
         times[tally.participant] += tally.us
         if tally.by_hand or tally.direct or tally.cues:
@@ -43,7 +46,12 @@ def somebody_was_there(figures: SessionFigures) -> bool:
     done or asked, or it lasted for long enough.
     """
     whole = figures.whole
-    busy = whole.acts or whole.reactions or figures.trials or figures.answers
+    asked = any(
+        answer_of(name, (), each.busy, figures.features[name])
+        for name, each in pieces("figures", FeatureFigures).items()
+        if name in figures.features
+    )
+    busy = whole.acts or whole.reactions or figures.trials or asked
     return bool(busy) or figures.duration_us >= SLIP_US
 
 

@@ -12,7 +12,6 @@ from woz_tui.analysis.measures import BY_NAME, OF_FEATURES, Measure, reactions, 
 from woz_tui.analysis.participant_groups import (
     ConditionRow,
     ConditionTotal,
-    ItemTotal,
     Total,
 )
 from woz_tui.analysis.participants import condition_text, participant_text
@@ -58,7 +57,7 @@ PAGE_COLUMNS = (
     *("press_median_ms", "engaged_share", "mistakes", "stops"),
 )
 #: What stands in tables of means.
-_OVER = "mean (SD) over participants; of one or two the values"
+OVER = "mean (SD) over participants; of one or two the values"
 #: The heading over `circumstances`.
 NOTES = "Notes on the session"
 #: Of fewer reactions than this no main figure says how long they took: their table does.
@@ -100,10 +99,6 @@ def _spread(times: Durations) -> tuple[str, ...]:
 
 def _number(trial: int) -> str:
     return NONE if trial < 0 else str(trial)
-
-
-def _scale(low: float | None, high: float | None) -> str:
-    return NONE if low is None or high is None else f"{low:g} to {high:g}"
 
 
 def _occurring(ends: Iterable[str], rows: Iterable[Mapping[str, int]]) -> list[str]:
@@ -413,25 +408,6 @@ def marks(figures: SessionFigures) -> ReportTable:
     return ReportTable("Markers, notes, mistakes", ("At", "What", "Text", "By"), rows, words=4)
 
 
-def answers(figures: SessionFigures) -> ReportTable:
-    """What was answered to questionnaires."""
-    rows = [
-        (
-            *(LogText(answer.item), LogText(answer.question)),
-            "left out"
-            if answer.skipped
-            else LogText(answer.text if answer.value is None else f"{answer.value:g}"),
-            *(_scale(answer.low, answer.high), duration(answer.answered_us)),
-            *(LogText(answer.questionnaire), str(answer.round)),
-            *(LogText(answer.condition), _number(answer.trial)),
-        )
-        for answer in figures.answers
-    ]
-    heads = ["Item", "Question", "Answer", "Scale", "After"]
-    heads += ["Questionnaire", "Round", "Condition", "Trial"]
-    return ReportTable("Questionnaires", heads, rows, words=4, on_terminal=4)
-
-
 def circumstances(figures: SessionFigures) -> Iterator[str]:
     """Whatever else there is to be said about a session, in sentences (`NOTES`)."""
     if figures.order:
@@ -439,12 +415,6 @@ def circumstances(figures: SessionFigures) -> Iterator[str]:
     if figures.breaks:
         lengths = sum(each.end - each.begin for each in figures.breaks if each.end is not None)
         yield f"{counted(len(figures.breaks), 'break')}, {clock(lengths)} together"
-    for title in figures.unanswered:
-        yield f"{title}: due and not answered"
-    for each in figures.rounds:
-        items = f" of {each.items}" if each.items else ""
-        ended = each.reason or "no end in the log"
-        yield f"{each.title or each.questionnaire}: {each.answered}{items} answered, {ended}"
     for lost in figures.lost_drivers:
         until = "to the end" if lost.end is None else f"to {clock(lost.end)}"
         detail = f": {lost.text}" if lost.text else ""
@@ -498,19 +468,19 @@ def condition_totals(totals: Sequence[ConditionTotal]) -> ReportTable:
     rows = [
         [
             title_of(name),
-            *(_total(each.values[name], each.participants, BY_NAME[name]) for each in totals),
+            *(total_text(each.values[name], each.participants, BY_NAME[name]) for each in totals),
         ]
         for name in TERMINAL_COLUMNS
     ]
     return ReportTable(
-        f"By condition: {_OVER}",
+        f"By condition: {OVER}",
         ["", *heads],
         [row for row in rows if set(row[1:]) - {NONE}],
         definitions=_DEFINITIONS,
     )
 
 
-def _total(total: Total | None, participants: int = 0, measure: Measure | None = None) -> str:
+def total_text(total: Total | None, participants: int = 0, measure: Measure | None = None) -> str:
     """Mean, standard deviation, and the number of people if it is not all of them; of few people
     their values.
     """
@@ -524,35 +494,3 @@ def _total(total: Total | None, participants: int = 0, measure: Measure | None =
         return ", ".join(map(text, total.values))
     people = f" n={total.n}" if total.n != participants else ""
     return text(total.mean) + (f" ({text(total.sd)})" if total.sd is not None else "") + people
-
-
-def item_tables(
-    items: Sequence[ItemTotal], totals: Sequence[ConditionTotal]
-) -> Iterator[ReportTable]:
-    """Means of questionnaire scales: by condition, and of what was asked once, about all of them.
-    In a study without conditions there is one table.
-    """
-    title = f"Questionnaires: {_OVER}"
-    if not any(total.condition for total in totals):
-        yield _item_totals(title, items)
-        return
-    yield _item_totals(title, [item for item in items if item.condition])
-    once = [item for item in items if not item.condition]
-    people = max((item.total.n for item in once), default=0)
-    yield _item_totals(f"Asked once, about no condition (n = {people})", once, "all")
-
-
-def _item_totals(title: str, items: Sequence[ItemTotal], without: str = "none") -> ReportTable:
-    """A row for each item, a column for each condition; `without`: the head where there is none."""
-    conditions = sorted({item.condition for item in items})
-    rows: dict[tuple[str, ...], dict[str, Total]] = {}
-    for item in items:
-        words = " / ".join(item.wordings)
-        key = (words, item.questionnaire, item.item, _scale(item.low, item.high))
-        rows.setdefault(key, {})[item.condition] = item.total
-    heads = ["Questionnaire", "Item", "Scale", *(LogText(each or without) for each in conditions)]
-    cells = [
-        [*map(LogText, key), *(_total(row.get(each)) for each in conditions), LogText(question)]
-        for (question, *key), row in rows.items()
-    ]
-    return ReportTable(title, [*heads, "Question"], cells, words=3, on_terminal=len(heads))

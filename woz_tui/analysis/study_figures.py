@@ -78,8 +78,6 @@ class StudyFacts:
     views: Counter[tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=Counter)
     trials: int = 0
     left_out: Counter[str] = field(default_factory=Counter)
-    questionnaires: Counter[str] = field(default_factory=Counter)
-    declined: int = 0
     open_logs: int = 0
     damaged: int = 0
     lost: int = 0
@@ -119,9 +117,6 @@ class StudyFacts:
                 self.people.setdefault(part.condition, set()).add(part.participant)
         if figures.order_method:
             self.orders[figures.order_method] += 1
-        for each in figures.rounds:
-            self.questionnaires[each.title or each.questionnaire] += 1
-            self.declined += each.reason == "declined"
 
     def _production(self, figures: SessionFigures) -> None:
         for panel in figures.panels:

@@ -18,7 +18,6 @@ import msgspec
 
 from woz_tui.analysis.event_rows import (
     CUE_TYPES,
-    AnswerRow,
     CueRow,
     PhaseRow,
     SettingRow,
@@ -635,76 +634,7 @@ SETTINGS: TableDefinition[SettingRow] = TableDefinition(
 )
 
 
-# -- answers, samples -----------------------------------------------------------------------------
-
-_ROUND: tuple[Column[Any], ...] = (
-    *_WHERE,
-    _text("questionnaire", "name of the questionnaire"),
-    _plain("integer", "round", "how often it was given so far in this session, from 1"),
-)
-_COUNTED_ANSWER = _plain(
-    *("boolean", "counted"),
-    "means include it: it has a participant, and it was not asked in a trial that does not count",
-)
-#: Of a round in the wide table.
-_WIDE = (*_ROUND, _COUNTED_ANSWER)
-
-ANSWERS: TableDefinition[AnswerRow] = TableDefinition(
-    "questionnaires",
-    "The last answer to each item in each round of a questionnaire; `condition` is empty where "
-    "somebody who had several was asked once about all of them.",
-    (
-        *_ROUND,
-        _text("item", "name of the item"),
-        _figure("value", "number", "the answer on the item's scale", lambda it: it.value),
-        _figure("low", "number", "lower end of the scale", lambda it: it.low),
-        _figure("high", "number", "upper end of the scale", lambda it: it.high),
-        Column(
-            *("text", "string", "the answer to an item without a scale"),
-            lambda _, answer: None if answer.skipped else answer.text or None,
-        ),
-        _plain("boolean", "skipped", "skipped on purpose"),
-        _time("response_time", "from its display to the answer", "answered_us"),
-        _time("onset", "when it was answered, from the session's start", "t"),
-        _text("question", "the item's words"),
-        _COUNTED_ANSWER,
-    ),
-    lambda figures: figures.answers,
-    key=("log", "questionnaire", "round", "item"),
-)
-
-
-def answers_wide(items: Iterable[str]) -> TableDefinition[Mapping[str, Cell]]:
-    """A row for each round of a questionnaire, with a column for each of `items`, which are called
-    `<questionnaire>.<item>`.
-    """
-
-    def column(name: str) -> Column[Mapping[str, Cell]]:
-        return Column(
-            name, "string", "the number that was chosen, or the text that was typed",
-            lambda _, row: row.get(name),
-        )  # fmt: skip
-
-    return TableDefinition(
-        "questionnaires_wide",
-        "The answers once more: one row for each round of a questionnaire, and a column for each "
-        "item.",
-        (*(replace(each, cell=column(each.name).cell) for each in _WIDE), *map(column, items)),
-        _nothing,
-    )
-
-
-def rounds_wide(figures: SessionFigures) -> list[dict[str, Cell]]:
-    """The rows of `answers_wide`."""
-    rounds: dict[tuple[str, int], dict[str, Cell]] = {}
-    for answer in figures.answers:
-        key = (answer.questionnaire, answer.round)
-        if key not in rounds:
-            rounds[key] = {column.name: column.cell(figures, answer) for column in _WIDE}
-        value = answer.text if answer.value is None else rounded(answer.value)
-        rounds[key][f"{answer.questionnaire}.{answer.item}"] = None if answer.skipped else value
-    return list(rounds.values())
-
+# -- samples -------------------------------------------------------------------------------------
 
 SAMPLES: TableDefinition[Reading] = TableDefinition(
     "samples",
@@ -738,5 +668,4 @@ FIGURES: tuple[TableDefinition[Any], ...] = (
         EPISODES,
         SETTINGS,
     ),
-    ANSWERS,
 )

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from woz_tui.analysis.event_rows import PREFLIGHT, is_direct, moments, of_robot, value_text
-from woz_tui.analysis.feature_figures import CommandPicture, FeatureFigures
+from woz_tui.analysis.feature_figures import CommandPicture, FeatureFigures, Instant
 from woz_tui.config.performers import composers
-from woz_tui.feature import pieces
+from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.session_state import LATEST_TIME
@@ -53,16 +53,6 @@ class Interval:
     run: str = ""
     cut: bool = False
     facts: tuple[tuple[str, str], ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Instant:
-    """Something that happened: a marker, a note, a mistake, an answer to a questionnaire."""
-
-    t: int
-    label: str
-    sort: str
-    detail: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -287,9 +277,12 @@ _DRAWN: Mapping[type[e.Episode], tuple[_Key, Callable[[Any], Interval | None]]] 
 
 def _instant(each: e.Episode) -> Instant | None:
     """What it is on the lane of marks; None: nothing."""
-    if isinstance(each, e.QuestionnaireEpisode) and each.started is not None:
-        return Instant(each.begin, each.started.title or each.name, "questionnaire")
-    match each.message if isinstance(each, e.MomentEpisode) else None:
+    if not isinstance(each, e.MomentEpisode):
+        found: Instant | None = None
+        for name, figures in pieces("figures", FeatureFigures).items():
+            found = found or answer_of(name, None, figures.instant, each)
+        return found
+    match each.message:
         case m.Marker(text=text, source=source) as marker if source != PREFLIGHT:
             return Instant(marker.moment, text, "marker", source)
         case m.Note(text=text):

@@ -7,6 +7,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 from pathlib import Path
+from pkgutil import resolve_name
 
 from woz_tui.cli import console_start
 from woz_tui.cli.session_choice import add_session_choice, find_session
@@ -19,6 +20,7 @@ from woz_tui.cli.shared_options import (
     part_again,
 )
 from woz_tui.console.link.message_feed import Loss
+from woz_tui.feature import ParticipantScreen, features
 from woz_tui.system import session_sockets
 
 
@@ -32,14 +34,10 @@ def add(parser: ArgumentParser) -> None:
         help="take over: play the robot even if another console plays it",
     )
     add_part(parser)
-    parser.add_argument(
-        "--questionnaire",
-        nargs="?",
-        const="",
-        default=None,
-        metavar="NAME",
-        help="show only the questionnaires (or this one), for the participant's terminal",
-    )
+    for screen in _screens():
+        parser.add_argument(
+            screen.flag, nargs="?", const="", default=None, metavar="NAME", help=screen.help
+        )
     add_keymap(parser)
     add_pictures(parser)
     add_theme(parser)
@@ -47,11 +45,26 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Open the console on a running session."""
-    given = _of_wizards(arguments) if arguments.questionnaire is not None else ""
+    given = _of_wizards(arguments) if _screen(arguments) is not None else ""
     if given:
         print(f"woz: a participant plays no robot: leave {given} out", file=sys.stderr)
         return 2
     return console_start.with_terminal(lambda: _attach(arguments))
+
+
+def _screens() -> dict[ParticipantScreen, str]:
+    """Screens for participants, and the class of each."""
+    return {
+        each.screen: f"{type(each).__module__}.{each.screen.app}"
+        for each in features().values()
+        if each.screen is not None
+    }
+
+
+def _screen(arguments: Namespace) -> ParticipantScreen | None:
+    """The one that is wanted; None: a console."""
+    wanted = (each for each in _screens() if getattr(arguments, each.dest) is not None)
+    return next(wanted, None)
 
 
 def _of_wizards(arguments: Namespace) -> str:
@@ -79,10 +92,10 @@ def _attach(arguments: Namespace) -> int:
 
 
 def _open(arguments: Namespace, socket: Path, explain: Callable[[Loss], Loss] | None = None) -> int:
-    if arguments.questionnaire is not None:
-        return console_start.open_questionnaire(
-            socket, arguments.questionnaire, arguments.theme, explain
-        )[1]
+    if (screen := _screen(arguments)) is not None:
+        only = getattr(arguments, screen.dest)
+        app = resolve_name(_screens()[screen])
+        return console_start.open_participant(app, socket, only, arguments.theme, explain)[1]
     closed = console_start.open_console(
         console_start.ScreenOptions(
             socket=socket,
@@ -111,15 +124,18 @@ def find_socket(arguments: Namespace) -> Path | None:
 
 def _sort_names(arguments: Namespace) -> None:
     """In `--questionnaire S02` the word is meant as the session, if one of this name runs."""
-    word = arguments.questionnaire
+    if (screen := _screen(arguments)) is None:
+        return
+    word = getattr(arguments, screen.dest)
     if word and not arguments.name and word in {path.stem for path in session_sockets.running()}:
-        arguments.name, arguments.questionnaire = word, ""
+        arguments.name = word
+        vars(arguments)[screen.dest] = ""
 
 
 def _repeated_options(arguments: Namespace) -> str:
     """The options that a proposal has to repeat: a participant must get no wizard's console."""
-    if arguments.questionnaire is not None:
-        return f" --questionnaire {arguments.questionnaire}".rstrip()
+    if (screen := _screen(arguments)) is not None:
+        return f" {screen.flag} {getattr(arguments, screen.dest)}".rstrip()
     return f"{' --watch' * arguments.watch}{part_again(arguments)}"
 
 

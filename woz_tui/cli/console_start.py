@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from woz_tui.cli import GC_THRESHOLDS
 from woz_tui.cli.error_sentences import with_error_sentences
@@ -212,7 +212,8 @@ def detect_appearance(theme: str) -> tuple[Appearance, TerminalBackground]:
     return look, answer
 
 
-def open_questionnaire(
+def open_participant(
+    app: type[Any],
     socket: Path,
     only: str,
     theme: str = "",
@@ -220,10 +221,10 @@ def open_questionnaire(
 ) -> tuple[str, int]:
     """Run a participant's own screen until it is left: how (ended, detached), and the exit code.
 
-    `only` is the name of the one questionnaire that is shown; empty: all.
+    `app`: its class (`feature.ParticipantScreen.app`). `only`: the name of the one thing that is
+    shown; empty: all.
     """
     from woz_tui.console.link.host_connection import HostConnection  # noqa: PLC0415
-    from woz_tui.console.participant_app import ParticipantApp  # noqa: PLC0415
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
     look, pressed = detect_appearance(theme)
@@ -231,9 +232,9 @@ def open_questionnaire(
         socket, role="participant", name=os.environ.get("TERM", ""), explain=explain
     )
     keyboard = _connect(link, pressed.stops)
-    app = ParticipantApp(link, keyboard, only=only, look=look, driver_class=WizardDriver)
+    screen = app(link, keyboard, only=only, look=look, driver_class=WizardDriver)
     prioritise_keys()
-    return app.run(mouse=False) or "", app.return_code or 0
+    return screen.run(mouse=False) or "", screen.return_code or 0
 
 
 def run_console(app: Console) -> tuple[str, int]:

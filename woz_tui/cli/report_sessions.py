@@ -54,8 +54,7 @@ def show_session(page: ReportPage, report: SessionReport, top: int = TOP) -> Non
     page.print(page.block(tables.settings(figures), top))
     for of_feature in tables.of_features(figures):
         page.print(page.block(of_feature))
-    for table in (tables.stops, tables.answers):
-        page.print(page.block(table(figures)))
+    page.print(page.block(tables.stops(figures)))
     page.print(page.block(tables.marks(figures), top))
     sentences = list(tables.circumstances(figures))
     if sentences:
@@ -239,16 +238,13 @@ def _size(page: ReportPage, grouped: GroupedSessions, experiment: str) -> None:
 
 def show_means(page: ReportPage, grouped: GroupedSessions, experiment: str) -> None:
     """Print what participants amount to, by condition."""
-    totals, items = grouped.totals(experiment), grouped.items(experiment)
-    found = grouped.outcomes(experiment)
+    totals, found = grouped.totals(experiment), grouped.outcomes(experiment)
     page.print(page.block(tables.condition_totals(totals)))
-    for table in tables.item_tables(items, totals):
-        page.print(page.block(table))
-    reworded = dict.fromkeys(
-        f"{each.questionnaire}.{each.item}" for each in items if len(each.wordings) > 1
-    )
-    if reworded:
-        page.trouble(f"the words of {', '.join(reworded)} were changed between these sessions")
+    for each in grouped.gathered.values():
+        for table in each.tables(experiment, totals):
+            page.print(page.block(table))
+        for remark in each.remarks(experiment):
+            page.trouble(remark)
     page.print(page.block(missing_table(found.scales())))
     page.print(page.block(differences_table(found.outcomes)))
     page.print(page.block(reactions_table(found.reactions)))

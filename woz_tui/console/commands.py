@@ -254,11 +254,6 @@ _COMMANDS = (
         ),
         opens("screens.typed:KeepTypedDialog"),
     ),
-    ConsoleCommand(
-        (BuiltinKey("questionnaire", "", "go on with the questionnaire that is being asked"),),
-        opens("screens.questionnaire:QuestionnaireDialog"),
-        found=False,
-    ),
     _colours("dark", "dark", "dark colours"),
     _colours("light", "light", "light colours"),
     _colours("sixteen", "16", "the terminal's own sixteen colours"),

@@ -16,11 +16,11 @@ from pathlib import PurePath
 from typing import Any
 
 from woz_tui import __version__
-from woz_tui.analysis.event_rows import AnswerRow
 from woz_tui.analysis.experiment_names import ExperimentNames
 from woz_tui.analysis.feature_figures import FeatureFigures
+from woz_tui.analysis.feature_report import BehaviourTable, reports
 from woz_tui.analysis.participants import somebody_was_there
-from woz_tui.analysis.tables import ANSWERS, EVENTS, Cell, Column, TableDefinition
+from woz_tui.analysis.tables import EVENTS, Cell, Column, TableDefinition
 from woz_tui.analysis.text_format import counted
 from woz_tui.export.event_model import ExportEvent, ExportSession, JoinedRecording, letters
 from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
@@ -112,7 +112,6 @@ class BidsExporter(Exporter):
 
     def _participant(self, session: ExportSession, code: str, setup: Sequence[ExportEvent]) -> str:
         events = [*setup, *(event for event in session.events if event.participant == code)]
-        answers = [answer for answer in session.figures.answers if answer.participant == code]
         label = self._label(session, code)
         listed = self._conditions.setdefault(label, [])
         conditions = dict.fromkeys(event.condition for event in events if event.condition)
@@ -121,9 +120,14 @@ class BidsExporter(Exporter):
         path = run.path(len(self._runs[run.path()]))
         write_events(self._folder, path, session, events, self._common(session))
         run.kinds.append("events")
-        if answers:
-            write_answers(self._folder, path, session, answers, self._common(session))
-            run.kinds.append("beh")
+        for report in reports():
+            if (of := report.behaviour) is None:
+                continue
+            rows = [row for row in of.table.rows(session.figures) if row.participant == code]
+            if rows:
+                common = self._common(session)
+                write_behaviour(self._folder, path, session, of, rows, common=common)
+                run.kinds.append("beh")
         return path
 
     def _label(self, session: ExportSession, code: str) -> str:
@@ -290,10 +294,6 @@ _OF_EVENTS = (
     *("outcome", "latency", "mistake", "edited", "condition", "trial", "phase", "counted"),
     *("text", "run", "seq"),
 )
-_OF_ANSWERS = (
-    *("questionnaire", "round", "item", "value", "low", "high", "text", "skipped", "response_time"),
-    *("onset", "condition", "trial", "phase", "counted", "question"),
-)
 
 
 def write_events(
@@ -331,20 +331,22 @@ def write_events(
     write_json(folder, f"{stem}_events.json", {**common, **meanings})
 
 
-def write_answers(
+def write_behaviour(
     folder: OutputFolder,
     stem: str,
     session: ExportSession,
-    answers: Iterable[AnswerRow],
+    behaviour: BehaviourTable,
+    found: Iterable[Any],
+    *,
     common: Mapping[str, Any],
 ) -> None:
-    """Writes `<stem>_beh.tsv` and its sidecar: answers to questionnaires."""
-    columns = _columns(ANSWERS, _OF_ANSWERS)
+    """Writes `<stem>_beh.tsv` and its sidecar."""
+    columns = _columns(behaviour.table, behaviour.columns)
     moved = _moved_us(session)
-    answers = (replace(each, t=each.t + moved) for each in answers)
+    found = (replace(each, t=each.t + moved) for each in found)
     rows = (
-        [bids_cell(of.cell(session.figures, answer), text=of.type == "string") for of in columns]
-        for answer in answers
+        [bids_cell(of.cell(session.figures, each), text=of.type == "string") for of in columns]
+        for each in found
     )
     write_table(folder, f"{stem}_beh.tsv", [column.name for column in columns], rows)
     meanings = {column.name: _meaning(column) for column in columns}

@@ -25,7 +25,6 @@ _ABOUT = f"""## Files
 - `trials.csv`, `phases.csv`, `conditions.csv`: trials, phases, and the figures of each condition
 - `cues.csv`, `actions.csv`, `latencies.csv`: answers to cues, actions and commands counted
 - `engagement.csv`, `episodes.csv`: states of the engagement machine, by trial and as they were
-- `questionnaires.csv`, `questionnaires_wide.csv`: answers
 - `settings.csv`: settings of robots, and where they differed from the requested values
 - `wizards.csv`: what each of several wizards played
 {_FEATURES}- `sessions.csv`: the sessions, and what is wrong with their logs

@@ -198,7 +198,7 @@ class Recording:
         held.sort(key=lambda message: message.seq)
         settings = self.plan(index).settings.study
         state.study.settings = settings  # the plan need not be a line of the log
-        study = study_snapshot(settings, state.study)
+        study = study_snapshot(settings, state)
         return RecordedMoment(held, self.recent(index), study)
 
     def recent(self, index: int) -> list[m.Message]:

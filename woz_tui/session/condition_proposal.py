@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import msgspec
@@ -12,6 +12,10 @@ import msgspec
 from woz_tui.config.counterbalancing import Order, block_size, order_at, planned, rows
 from woz_tui.config.study import Design
 from woz_tui.protocol.messages import Json
+from woz_tui.timeline.feature_history import FeatureHistory
+
+#: What a participant has yet to do, by the class that says so.
+Owed = Mapping[type[FeatureHistory], tuple[str, ...]]
 
 
 @dataclass
@@ -20,7 +24,7 @@ class ParticipantHistory:
 
     `finished`: numbers of the trials that were done or excluded under the present order. `begun`
     and `done`: whether any trial was begun, and was done. A practice trial (number 0) is none.
-    `due`: questionnaires behind the last trial that the log of the last session has no end of.
+    `owed`: what features say that they have yet to do (`FeatureHistory.owed`), by its class.
     """
 
     participant: str
@@ -30,7 +34,7 @@ class ParticipantHistory:
     finished: set[int] = field(default_factory=set)
     begun: bool = False
     done: bool = False
-    due: tuple[str, ...] = ()
+    owed: dict[type[FeatureHistory], tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def over(self) -> int:
@@ -61,12 +65,12 @@ class ConditionProposal:
     trial: int
     planned: int
     over: tuple[int, ...] = ()
-    due: tuple[str, ...] = ()
+    owed: Owed = field(default_factory=dict)
 
     def data(self) -> dict[str, Json]:
         """The fields of the reply to a `proposal`."""
-        data: dict[str, Json] = msgspec.to_builtins(self)
-        del data["participant"], data["over"], data["due"]
+        data: dict[str, Json] = msgspec.to_builtins(replace(self, owed={}))
+        del data["participant"], data["over"], data["owed"]
         return data
 
 
@@ -134,7 +138,7 @@ def _proposal(past: ParticipantHistory, design: Design, why: str) -> ConditionPr
         trial=trial,
         planned=count,
         over=tuple(sorted(past.finished)),
-        due=past.due,
+        owed=past.owed,
     )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from woz_tui.config.study_words import OVER
@@ -31,9 +32,19 @@ LONGEST = 4 << 20
 _KINDS = (
     *("session.start", "session.plan", "session.changed", "session.end"),
     "participant.withdrawn",
-    *("condition.assigned", "trial.started", "trial.ended", "questionnaire.ended"),
+    *("condition.assigned", "trial.started", "trial.ended"),
 )
-_LISTED = re.compile(f'"(?:{"|".join(map(re.escape, _KINDS))})"'.encode())
+
+
+@cache
+def _listed() -> re.Pattern[bytes]:
+    """Finds a line of one of these kinds, those of features included."""
+    of_features = [
+        str(kind.__struct_config__.tag)
+        for history in SessionState().histories.values()
+        for kind in history.earlier
+    ]
+    return re.compile(f'"(?:{"|".join(map(re.escape, (*_KINDS, *of_features)))})"'.encode())
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +76,7 @@ class EarlierSessions:
     ) -> EarlierParticipants:
         """Everything about the experiment of this title; logs that tell no title (redacted ones)
         count if the experiment's `file` had this name. Reads files: may be called from any thread,
-        but only from one at a time. `settings`: which questionnaires there are.
+        but only from one at a time. `settings`: what the file says of the study.
         """
         people: dict[str, ParticipantHistory] = {}
         unreadable: list[str] = []
@@ -183,7 +194,7 @@ def _bare(plan: m.SessionPlan) -> m.SessionPlan:
 def _candidates(path: Path) -> Iterator[bytes]:
     with open_log(path) as file:
         while line := file.readline(LONGEST):
-            if _LISTED.search(line):
+            if _listed().search(line):
                 if len(line) == LONGEST:
                     raise OSError(f"a line of {path.name} is longer than {LONGEST} bytes")
                 yield line
@@ -215,12 +226,12 @@ def _attribute(
                     past.finished.clear()
                 past.finished.update(line.over or ())
                 past.order, past.method, past.row = order, line.method, line.row
-            case m.QuestionnaireEnded(questionnaire=name, reason=reason) if reason != "left":
-                past.due = tuple(each for each in past.due if each != name)
-            case m.TrialStarted(trial=trial) | m.TrialEnded(trial=trial):
-                past.due = tuple(each.questionnaire for each in state.study.due)
-                if trial > 0:
-                    _count(line, past)
+            case m.TrialStarted(trial=trial) | m.TrialEnded(trial=trial) if trial > 0:
+                _count(line, past)
+        for kind, history in state.histories.items():
+            owed = history.owed(line, state, past.owed.pop(kind, ()))
+            if owed:
+                past.owed[kind] = owed
 
 
 def _count(line: m.TrialStarted | m.TrialEnded, past: ParticipantHistory) -> None:

@@ -37,6 +37,7 @@ from woz_tui.protocol.requesters import WIZARD
 from woz_tui.sensing.own_voice import ROBOT_SPEECH
 from woz_tui.session.action_runner import ActionRunner, LastAct
 from woz_tui.session.action_texts import ActionTexts, ComposedCall, missing_value_error, utterances
+from woz_tui.session.condition_proposal import Owed
 from woz_tui.session.driver_context import OnCompletion
 from woz_tui.session.driver_faults import DriverFaults
 from woz_tui.session.driver_manager import DriverManager, make_drivers, motionless
@@ -123,6 +124,7 @@ class Session:
             identity=lambda: self.identity,
             set_trial=self.set,
             allow_next=self._allow_next,
+            tell_owed=self._tell_owed,
             logs=(folder, self.recorder.path.parent),
         )
         self.faults = DriverFaults(self.hub, self.clock)
@@ -703,6 +705,10 @@ class Session:
     def _allow_next(self) -> None:
         """Raises `RequestError` while a feature lets neither another trial nor participant come."""
         self.features.allow_next()
+
+    def _tell_owed(self, participant: str, owed: Owed) -> None:
+        """Tells what a participant has yet to do from earlier sessions."""
+        self.features.tell_owed(participant, owed)
 
     def _set(self, participant: str | None, condition: str | None, trial: int | None) -> None:
         self.study.allow(participant, other_trial=trial not in (None, self.identity.trial))

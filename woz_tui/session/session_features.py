@@ -25,6 +25,7 @@ from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.protocol.requests import Request
 from woz_tui.session.action_runner import ActionRunner
 from woz_tui.session.action_texts import ActionTexts, ComposedCall
+from woz_tui.session.condition_proposal import Owed
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.timeline.episodes import Episode
 from woz_tui.timeline.session_state import SessionState
@@ -143,6 +144,9 @@ class SessionFeature:
         another participant may come.
         """
 
+    def tell_owed(self, participant: str, owed: Owed) -> None:
+        """A participant comes who has `owed` something since earlier sessions: tell the wizard."""
+
     def carry_out(self, request: Any, client: Client) -> str:
         """Do what is asked; the id of the run or command that it has begun, if any."""
         raise RequestError(f"{type(request).__name__} cannot be used here")
@@ -225,7 +229,7 @@ _FAILED = "\0"
 #: Where features are asked or told something; those that have nothing to do there are passed by.
 _HOOKS = (
     *("begin", "close", "play", "after_play", "adopt", "hold", "drop", "begin_anew"),
-    *("allow_next", "front", "fact", "findings"),
+    *("allow_next", "tell_owed", "front", "fact", "findings"),
 )
 
 
@@ -325,6 +329,11 @@ class SessionFeatures:
         """Raises `RequestError` while one of them lets no other trial or participant come."""
         for name, feature in [*self._with["allow_next"].items()]:
             self._answer(name, feature.allow_next, None)
+
+    def tell_owed(self, participant: str, owed: Owed) -> None:
+        """A participant comes who has `owed` something since earlier sessions."""
+        for name, feature in [*self._with["tell_owed"].items()]:
+            self._safely(name, feature.tell_owed, None, participant, owed)
 
     def carry_out(self, request: Request, client: Client) -> str:
         """Do what is asked of a feature; the id of what it has begun. Raises `RequestError`."""

@@ -15,7 +15,7 @@ from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import welcome as s
 from woz_tui.protocol.requests import PANEL_SETTINGS, PROTOCOL, PanelsChanged, Welcome
-from woz_tui.timeline.study_history import StudyState
+from woz_tui.timeline.session_state import SessionState
 
 
 def study_settings(experiment: Experiment) -> s.StudySettings:
@@ -37,13 +37,17 @@ def study_settings(experiment: Experiment) -> s.StudySettings:
     )
 
 
-def study_snapshot(settings: s.StudySettings, study: StudyState) -> s.StudySettings:
-    """The file's part, and what holds now: the list with its ticks, the order, what is due.
+def study_snapshot(settings: s.StudySettings, state: SessionState) -> s.StudySettings:
+    """The file's part, and what holds now: the list with its ticks, the order, what features say.
 
     Args:
         settings: What the file says, or what a log's `session.plan` says of it.
-        study: What holds now.
+        state: What holds now.
     """
+    study = state.study
+    of_features: dict[str, Any] = {}
+    for history in state.histories.values():
+        of_features |= history.study(state)
     return msgspec.structs.replace(
         settings,
         preflight=[
@@ -54,7 +58,7 @@ def study_snapshot(settings: s.StudySettings, study: StudyState) -> s.StudySetti
         trial=study.next_trial,
         running=study.trial is not None,
         on_break=study.in_break is not None,
-        due=[due.questionnaire for due in study.due],
+        **of_features,
     )
 
 

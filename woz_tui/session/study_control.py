@@ -16,7 +16,7 @@ from woz_tui.config.utterance_template import VISITOR, names
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import WIZARD
-from woz_tui.session.condition_proposal import ConditionProposal, propose
+from woz_tui.session.condition_proposal import ConditionProposal, Owed, propose
 from woz_tui.session.earlier_sessions import EarlierSessions
 from woz_tui.session.participant_identity import SessionIdentity, check_condition, check_participant
 from woz_tui.session.session_plan import study_settings
@@ -38,6 +38,7 @@ class StudyController:
         set_trial: Sets participant, condition and trial; None leaves one as it is.
         allow_next: Raises `RequestError` while something is under way into which neither another
             trial nor another participant may come.
+        tell_owed: Tells what a participant has yet to do from earlier sessions.
         logs: The folders with the logs of earlier sessions and with that of this one.
     """
 
@@ -50,6 +51,7 @@ class StudyController:
         identity: Callable[[], SessionIdentity],
         set_trial: Callable[[str | None, str | None, int | None], None],
         allow_next: Callable[[], None],
+        tell_owed: Callable[[str, Owed], None],
         logs: Iterable[Path],
     ) -> None:
         self._hub, self._read = hub, read
@@ -59,7 +61,7 @@ class StudyController:
         self.settings = self.state.settings = study_settings(read())
         self._earlier = EarlierSessions(*logs)
         self._proposed: dict[str, ConditionProposal] = {}
-        self._allow_next = allow_next
+        self._allow_next, self._tell_owed = allow_next, tell_owed
 
     # -- beginning and ending ----------------------------------------------------------------------
 
@@ -156,21 +158,8 @@ class StudyController:
                 over=[*as_proposed.over] if as_proposed else [],
             )
         )
-        if as_proposed and as_proposed.due and not self.state.due:
-            self._tell_due(participant, as_proposed.due)
-
-    def _tell_due(self, participant: str, due: Iterable[str]) -> None:
-        """Say what an earlier session owes: nothing is due in a session that begins."""
-        titles = {each.name: each.heading for each in self.settings.questionnaires}
-        named = ", ".join(titles.get(name, name) for name in due)
-        self._hub.publish(
-            m.Notice(
-                level="warning",
-                text=f"{participant} has not answered: {named}",
-                remedy="ask it on paper: the log would have the answers in the condition of the"
-                " next trial",
-            )
-        )
+        if as_proposed:
+            self._tell_owed(participant, as_proposed.owed)
 
     def allow(self, participant: str | None, *, other_trial: bool = False) -> None:
         """Raises `RequestError` if the participant, or the trial's number, cannot change now."""

@@ -23,6 +23,8 @@ class FeatureHistory:
     cases: ClassVar[Mapping[type[Message], HistoryCase]] = {}
     #: Kinds that tell of something that happened: a replay leaves no such moment out.
     deeds: ClassVar[tuple[type[Message], ...]] = ()
+    #: Kinds of which the lines of earlier sessions are read, for `owed`.
+    earlier: ClassVar[tuple[type[Message], ...]] = ()
 
     @property
     def apart(self) -> bool:
@@ -34,6 +36,16 @@ class FeatureHistory:
         None: with that of the command line.
         """
         return None
+
+    def study(self, state: Any) -> Mapping[str, Any]:
+        """Fields of `welcome.StudySettings` that say how it stands now, in the `SessionState`."""
+        return {}
+
+    def owed(self, message: Message, state: Any, before: tuple[str, ...]) -> tuple[str, ...]:
+        """What a participant has yet to do, once a line of an earlier session was worked in.
+        `before`: as of the line before, which may be another session's.
+        """
+        return before
 
     def put_off(self, run: str) -> tuple[int, int] | None:
         """Since when and until when it puts the beginning of a run off; None: it does not."""

@@ -97,7 +97,7 @@ class SessionState:
         begin: When the first line was written; None before it.
         start, end: The session's first and last line.
         plan: What consoles were shown last.
-        study: Who takes part, conditions, trials, questionnaires.
+        study: Who takes part, conditions, trials.
         model: The engagement model.
         robots: Robots' settings as they were read back.
         actions, commands: Under way, by id; passing ones (a knob) only with `all_commands`.
@@ -647,11 +647,6 @@ class SessionState:
         keep_latest(self.study.checks, message.check, message)
         return self._moment(message)
 
-    def _questionnaire_ended(self, message: m.QuestionnaireEnded) -> Iterable[Episode]:
-        ended = [*self.study.end_questionnaire(message, self.t)]
-        is_end = any(not episode.cut for episode in ended)
-        return ended if is_end else (*ended, *self._moment(message))
-
     # -- re-run -----------------------------------------------------------------------------------
 
     def _rerun_started(self, message: m.RerunStarted) -> Iterator[Episode]:
@@ -762,9 +757,6 @@ CASES: dict[type[m.Message], _Case] = {
     m.BreakStarted: lambda state, message: state.study.begin_break(message, state.t),
     m.BreakEnded: S._break_ended,
     m.PreflightChecked: S._checked,
-    m.QuestionnaireStarted: lambda state, message: state.study.ask(message, state.t),
-    m.QuestionnaireAnswered: lambda state, message: state.study.answer(message, state.t),
-    m.QuestionnaireEnded: S._questionnaire_ended,
     m.PerceptionChanged: S._perception,
     m.RerunStarted: S._rerun_started,
     m.RerunEnded: S._rerun_ended,

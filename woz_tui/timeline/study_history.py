@@ -1,35 +1,25 @@
-"""The study around a session: participant, condition, trials, stages, breaks, questionnaires."""
+"""The study around a session: participant, condition, trials, stages, breaks."""
 
 from __future__ import annotations
 
 import copy
-from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from msgspec.structs import replace
 
-from woz_tui.config.study_words import OVER, due_after_trial
+from woz_tui.config.study_words import OVER
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
 from woz_tui.timeline.episodes import (
     BreakEpisode,
     Episode,
     EpisodeOutcome,
-    QuestionnaireEpisode,
     StageEpisode,
     TrialEpisode,
     keep_latest,
 )
 from woz_tui.timeline.trial_context import Context
-
-
-@dataclass(frozen=True, slots=True)
-class DueQuestionnaire:
-    """A questionnaire that is due, and the trial behind which it is (-1: behind the last)."""
-
-    questionnaire: str
-    trial: int = -1
 
 
 @dataclass(slots=True)
@@ -46,11 +36,10 @@ class StudyState:
         context: To whom and what this moment belongs.
         next_trial: The number of the next trial, or of the present one.
         assigned: The order of conditions that was given last, perhaps to somebody else (`order`).
-        trial, stage, in_break, questionnaire: What is under way; a stage as a feature says it.
+        trial, stage, in_break: What is under way; a stage as a feature says it.
         last_started: Of trials.
         last_ended: How the participant's last trial ended; None: there was none.
         checks: Lines of the preflight list, by what was checked.
-        had: Questionnaires that this participant has had or declined, and their ends by name.
         begins_trials: Trials are begun and ended in this session, or an order of conditions was
             given: a number that is set is that of the next trial.
     """
@@ -64,24 +53,15 @@ class StudyState:
     trial: TrialEpisode | None = None
     stage: StageEpisode | None = None
     in_break: BreakEpisode | None = None
-    questionnaire: QuestionnaireEpisode | None = None
     last_started: m.TrialStarted | None = None
     last_ended: m.TrialEnded | None = None
     checks: dict[str, m.PreflightChecked] = field(default_factory=dict)
-    had: dict[str, m.QuestionnaireEnded] = field(default_factory=dict)
     begins_trials: bool = False
     #: The participant's trials that are over since the order was given, by number: the last end of
     #: each.
     _ended: dict[int, m.TrialEnded] = field(default_factory=dict)
     #: Whether any line has set the context.
     begun: bool = False
-    #: The trial whose questionnaires are due, the order of conditions at its end, and which
-    #: questionnaires have been had since.
-    _over: m.TrialEnded | None = None
-    _order_then: m.ConditionsAssigned | None = None
-    _had_since: frozenset[str] = frozenset()
-    #: The last end of each questionnaire, whoever had it.
-    _rounds: dict[str, m.QuestionnaireEnded] = field(default_factory=dict)
     #: A number that was set by hand, where no trials are begun.
     _number: int | None = None
     #: The lines from which participant, condition, the next number and the number by hand come, the
@@ -91,7 +71,7 @@ class StudyState:
     def copy(self) -> StudyState:
         """An independent copy."""
         other = copy.copy(self)
-        for name in ("checks", "had", "_rounds", "_sources", "_ended"):
+        for name in ("checks", "_sources", "_ended"):
             setattr(other, name, dict(getattr(self, name)))
         return other
 
@@ -192,52 +172,12 @@ class StudyState:
         return design.trials if design is not None else 0
 
     @property
-    def due(self) -> list[DueQuestionnaire]:
-        """Questionnaires that are due behind the trial that ended last, in the file's order."""
-        over = self._over
-        if over is None:
-            return []
-        trials, planned = self._trials(self._order_then), self._planned(self._order_then)
-        whens = due_after_trial(over.trial, over.outcome, trials=trials, planned=planned)
-        return [
-            DueQuestionnaire(name, -1 if when == "end" else over.trial)
-            for when in whens
-            for name in self._questionnaires(when)
-            if name not in self._had_since
-        ]
-
-    def open_at_end(self) -> tuple[DueQuestionnaire, ...]:
-        """What is due and what is for the end, and was neither answered nor declined; without any
-        participant and trial nothing is for the end.
-        """
-        due = self.due
-        begun = bool(self.participant) or self.last_started is not None
-        named = self.had.keys() | {each.questionnaire for each in due}
-        at_end = self._questionnaires("end") if begun else ()
-        return (*due, *(DueQuestionnaire(name) for name in at_end if name not in named))
-
-    def open_if_done(self) -> tuple[DueQuestionnaire, ...]:
-        """`open_at_end` as it would be if the trial under way were done now."""
-        after = self.copy()
-        if self.trial is not None:
-            ended = m.TrialEnded(trial=self.trial.started.trial, outcome="done")
-            deque(after.end_trial(ended, self.trial.begin), maxlen=0)
-        return after.open_at_end()
-
-    def _questionnaires(self, when: str) -> Iterator[str]:
-        for each in self.settings.questionnaires:
-            if each.when == when:
-                yield each.name
-
-    @property
     def lines(self) -> Iterator[m.Message]:
         """The messages from which a copy can be rebuilt; they may repeat, in no order."""
         yield from self._sources.values()
         yield from self.checks.values()
-        yield from self.had.values()
-        yield from self._rounds.values()
         yield from self._ended.values()
-        study = (self.assigned, self.last_started, self._over, self._order_then)
+        study = (self.assigned, self.last_started)
         for line in study:
             if line is not None:
                 yield line
@@ -246,7 +186,7 @@ class StudyState:
 
     def open(self) -> Iterator[Episode]:
         """Episodes that have not ended."""
-        for episode in (self.trial, self.stage, self.in_break, self.questionnaire):
+        for episode in (self.trial, self.stage, self.in_break):
             if episode is not None:
                 yield episode
 
@@ -285,7 +225,7 @@ class StudyState:
         self._enter()
 
     def _somebody(self, participant: str, message: m.Message) -> None:
-        """Sets the participant; another one begins anew, and has had no questionnaire."""
+        """Sets the participant; another one begins anew."""
         if "participant" in self._sources and participant == self.participant:
             return
         self.participant = participant
@@ -293,10 +233,8 @@ class StudyState:
             self._sources["before"] = self._sources["participant"]
         self._sources["participant"] = message
         self._follow(1, message)
-        self.had.clear()
         self._ended.clear()
         self.last_ended = None
-        self._over, self._had_since = None, frozenset()
 
     def _follow(self, number: int, message: m.Message) -> None:
         self.next_trial = number
@@ -334,7 +272,6 @@ class StudyState:
         self.trial = TrialEpisode(begin=t, seq=message.seq, started=message)
         self.last_started = self._sources["trial"] = message
         self._follow(message.trial, message)
-        self._over, self._had_since = None, frozenset()
         if message.condition:
             self.condition = message.condition
             self._sources["condition"] = message
@@ -355,8 +292,6 @@ class StudyState:
             keep_latest(self._ended, message.trial, message)
             known = self._over_before is not None
             self._follow(self._first_open if known else message.trial + 1, message)
-            self._over, self._had_since = message, frozenset()
-            self._order_then = self.assigned
         self._enter()
 
     def change_stage(
@@ -389,40 +324,6 @@ class StudyState:
         self.in_break = None
         self._enter()
         yield ended
-
-    # -- questionnaires ---------------------------------------------------------------------------
-
-    def ask(self, message: m.QuestionnaireStarted, t: int) -> Iterator[Episode]:
-        """A questionnaire begins; there is one at a time."""
-        yield from self._cut("questionnaire", t)
-        self.questionnaire = QuestionnaireEpisode(
-            begin=t, seq=message.seq, name=message.questionnaire, started=message
-        )
-        yield self.questionnaire
-
-    def answer(self, message: m.QuestionnaireAnswered, t: int) -> Iterator[Episode]:
-        """An answer; without its beginning in the log, the questionnaire begins with it."""
-        name = message.questionnaire
-        if self.questionnaire is None or self.questionnaire.name != name:
-            yield from self._cut("questionnaire", t)
-            self.questionnaire = QuestionnaireEpisode(begin=t, seq=message.seq, name=name)
-            yield self.questionnaire
-        answers = dict(self.questionnaire.answers)
-        keep_latest(answers, message.item, message)
-        self.questionnaire = replace(self.questionnaire, answers=answers)
-
-    def end_questionnaire(self, message: m.QuestionnaireEnded, t: int) -> Iterable[Episode]:
-        """It is over; nothing comes of it if its beginning is not in the log."""
-        name = message.questionnaire
-        keep_latest(self._rounds, name, message)
-        if message.reason != EpisodeOutcome.LEFT:
-            keep_latest(self.had, name, message)
-            self._had_since = (self._had_since & self.had.keys()) | {name}
-        current = self.questionnaire
-        if current is None or current.name != name:
-            return [*self._cut("questionnaire", t)]
-        self.questionnaire = None
-        return [replace(current, end=t, outcome=message.reason, ended=message)]
 
     def _cut(self, name: str, t: int) -> Iterator[Episode]:
         """Ends the episode that this attribute holds without a line in the log."""

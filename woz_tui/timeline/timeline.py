@@ -22,13 +22,9 @@ from woz_tui.timeline.episodes import (
     keep_latest,
 )
 from woz_tui.timeline.session_state import SessionState
-from woz_tui.timeline.study_history import DueQuestionnaire
 from woz_tui.timeline.trial_context import Context, Contexts, ContextSpan
 
 E = TypeVar("E", bound=Episode)
-
-#: After these a questionnaire that was due is so no more, without an answer.
-_PASSES = (m.TrialStarted, m.SessionChanged, m.ParticipantWithdrawn, m.ConditionsAssigned)
 
 
 class Timeline:
@@ -42,8 +38,6 @@ class Timeline:
         contexts: Whose time it was; a number that was set counts as a trial until `finish` knows.
         passed: Ids of the last passing commands, where they are no episodes.
         episodes: After `finish`: all of them by beginning and `seq`, each with its context.
-        unanswered: After `finish`: questionnaires that were due, or for the end of the session, and
-            neither answered nor declined.
     """
 
     def __init__(self, *, passing: bool = False) -> None:
@@ -51,7 +45,6 @@ class Timeline:
         self.contexts = Contexts()
         self.passed: dict[str, None] = {}
         self.episodes: tuple[Episode, ...] = ()
-        self.unanswered: tuple[DueQuestionnaire, ...] = ()
         self._ended: list[Episode] = []
         #: Where among those an utterance is: its text comes later.
         self._spoken: dict[tuple[str, int], int] = {}
@@ -131,10 +124,7 @@ class Timeline:
         """Add the next message; `finish` must not have been called."""
         state, study = self.state, self.state.study
         before, first = study.context, state.begin is None
-        due = study.due if isinstance(message, _PASSES) else []
         changes = state.apply(message)
-        if due:
-            self.unanswered += tuple(each for each in due if each not in study.due)
         if first and state.begin is not None:
             self.contexts.enter(state.begin, message.seq, before)
         if study.context is not before or (study.begun and not self._begun):
@@ -173,7 +163,6 @@ class Timeline:
 
     def finish(self) -> None:
         """The log has ended: makes `episodes` complete."""
-        self.unanswered += self.state.study.open_at_end()
         if self.state.study.begins_trials:
             self.contexts = self.contexts.without_numbers()
         running = self.state.study.trial if self.state.end is None else None

@@ -6,7 +6,6 @@ import asyncio
 import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
@@ -15,8 +14,8 @@ import pytest
 from tests.features.page.rig import PageRig, WebBrowser, pages
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.study_rig import STUDY, study_experiment
-from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
 from woz_tui.features.page.item_forms import ITEM_FORMS, UnreadAnswerError, answer_of, kind_of
+from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import ENGLISH, Questionnaire, QuestionnaireItem
 from woz_tui.system.clock import RealClock

@@ -6,7 +6,6 @@ import asyncio
 import functools
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -18,8 +17,8 @@ from tests.analysis.html.browser import Page, browser
 from tests.features.page.rig import PageRig, pages
 from tests.host.rig import served_session
 from tests.session.study_rig import STUDY, study_experiment
-from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
 from woz_tui.features.page.visitors import PageRole
+from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 

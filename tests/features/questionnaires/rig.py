@@ -10,6 +10,7 @@ from tests.session import study_rig
 from tests.session.rig import SessionRig
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Study
+from woz_tui.features.questionnaires.history import DueQuestionnaire, QuestionnaireHistory
 from woz_tui.features.questionnaires.in_session import QuestionnaireController
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
@@ -54,3 +55,13 @@ def on_stage(
 def questionnaires(rig: SessionRig) -> QuestionnaireController:
     """Those of a session."""
     return rig.session.features.of(QuestionnaireController)
+
+
+def history(rig: SessionRig) -> QuestionnaireHistory:
+    """What the session keeps of them."""
+    return rig.session.state.history(QuestionnaireHistory)
+
+
+def due(rig: SessionRig) -> list[DueQuestionnaire]:
+    """What is due."""
+    return history(rig).due(rig.session.state)

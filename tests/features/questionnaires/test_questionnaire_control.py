@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from tests.features.questionnaires.rig import on_stage, questionnaires
+from tests.features.questionnaires.rig import due, history, on_stage, questionnaires
 from tests.session.rig import SessionRig
 from tests.session.study_rig import short_messages
+from woz_tui.features.questionnaires.history import DueQuestionnaire
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import AskAnswer
 from woz_tui.protocol.welcome import LONGEST
-from woz_tui.timeline.study_history import DueQuestionnaire
 
 ROUND = (m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded)
 
@@ -36,10 +36,6 @@ def ask(rig: SessionRig, name: str, what: str = "begin", source: str = "wizard")
 def answer(rig: SessionRig, item: str, value: float | None = None, **rest: object) -> None:
     request = AskAnswer(questionnaire="ux", item=item, value=value, **rest)  # type: ignore[arg-type]
     questionnaires(rig).answer(request)
-
-
-def due(rig: SessionRig) -> list[DueQuestionnaire]:
-    return rig.session.study.state.due
 
 
 def test_what_is_due_after_which_trial(tmp_path: Path) -> None:
@@ -163,7 +159,7 @@ def test_what_cannot_be_asked(tmp_path: Path) -> None:
         with pytest.raises(RequestError, match="the questionnaire 'ux' is open"):
             rig.session.study.assign("P01", ["warm", "cold"])
         ask(rig, "ux", "declined")
-        assert "ux" in rig.session.study.state.had
+        assert "ux" in history(rig).had
 
     rig = on_stage(tmp_path, scenario)
     assert short_messages(rig, *ROUND) == [
@@ -181,7 +177,7 @@ def test_a_round_that_was_left_stays_due_and_begins_anew(tmp_path: Path) -> None
         ask(rig, "ux", "left")
         assert DueQuestionnaire("ux", 2) in due(rig)
         ask(rig, "ux")
-        current = rig.session.study.state.questionnaire
+        current = history(rig).questionnaire
         assert current is not None
         assert current.answers == {}
         answer(rig, "pleasant", 4)
@@ -217,7 +213,7 @@ def test_the_next_participant_begins_with_nothing_due(tmp_path: Path) -> None:
         ask(rig, "ux", "begin")
         ask(rig, "ux", "declined")
         rig.session.set("P02")
-        assert (due(rig), {*rig.session.study.state.had}) == ([], set())
+        assert (due(rig), {*history(rig).had}) == ([], set())
         assert rig.session.study.state.next_trial == 1
 
     on_stage(tmp_path, scenario)

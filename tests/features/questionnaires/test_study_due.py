@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.features.questionnaires.rig import on_stage, questionnaires
+from tests.features.questionnaires.rig import due, history, on_stage, questionnaires
 from tests.session.rig import SessionRig
 from tests.session.study_rig import STUDY, short_messages
 from woz_tui.config.study import Design
+from woz_tui.features.questionnaires.history import DueQuestionnaire
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
-from woz_tui.timeline.study_history import DueQuestionnaire
 
 
 def assign_participant(rig: SessionRig, participant: str = "P01") -> None:
@@ -28,7 +28,7 @@ def trials(rig: SessionRig, *outcomes: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("outcomes", "due"),
+    ("outcomes", "expected"),
     [
         (["done"], [DueQuestionnaire("each", 1)]),
         (["done", "aborted"], []),
@@ -44,12 +44,12 @@ def trials(rig: SessionRig, *outcomes: str) -> None:
     ],
 )
 def test_what_is_due_behind_the_trials(
-    tmp_path: Path, outcomes: list[str], due: list[DueQuestionnaire]
+    tmp_path: Path, outcomes: list[str], expected: list[DueQuestionnaire]
 ) -> None:
     async def scenario(rig: SessionRig) -> None:
         assign_participant(rig)
         trials(rig, *outcomes)
-        assert rig.session.study.state.due == due
+        assert due(rig) == expected
 
     on_stage(tmp_path, scenario)
 
@@ -58,9 +58,9 @@ def test_what_was_due_is_so_no_more_once_the_next_trial_has_begun(tmp_path: Path
     async def scenario(rig: SessionRig) -> None:
         assign_participant(rig)
         trials(rig, "done")
-        assert rig.session.study.state.due == [DueQuestionnaire("each", 1)]
+        assert due(rig) == [DueQuestionnaire("each", 1)]
         rig.session.study.trial("begin", "")
-        assert rig.session.study.state.due == []
+        assert due(rig) == []
 
     on_stage(tmp_path, scenario)
 
@@ -72,7 +72,7 @@ def test_a_trial_for_practice_is_the_last_of_no_condition(tmp_path: Path) -> Non
         assign_participant(rig)
         rig.session.set(trial=0)
         trials(rig, "done")
-        assert rig.session.study.state.due == [DueQuestionnaire("each", 0)]
+        assert due(rig) == [DueQuestionnaire("each", 0)]
 
     rig = on_stage(tmp_path, scenario)
     assert short_messages(rig, m.TrialStarted) == ["trial.started 0 warm"]
@@ -80,13 +80,12 @@ def test_a_trial_for_practice_is_the_last_of_no_condition(tmp_path: Path) -> Non
 
 def test_the_next_participant_has_had_nothing_yet(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        study = rig.session.study
         assign_participant(rig)
         questionnaires(rig).begin_or_end("whenever", "begin", "wizard")
         questionnaires(rig).begin_or_end("whenever", "declined", "wizard")
-        assert {*study.state.had} == {"whenever"}
+        assert {*history(rig).had} == {"whenever"}
         rig.session.set("P02")
-        assert {*study.state.had} == set()
+        assert {*history(rig).had} == set()
 
     on_stage(tmp_path, scenario)
 
@@ -147,9 +146,7 @@ def test_where_everybody_gets_one_condition_one_is_assigned(tmp_path: Path) -> N
             rig.session.study.assign("P01", ["warm", "cold"])
         rig.session.study.assign("P01", ["cold"])
         trials(rig, "done", "done")
-        assert [due.questionnaire for due in rig.session.study.state.due] == [
-            *("each", "ux", "last")
-        ]
+        assert [each.questionnaire for each in due(rig)] == [*("each", "ux", "last")]
 
     study = replace(STUDY, design=Design(order="blocks", within=False, trials=2))
     rig = on_stage(tmp_path, scenario, study)

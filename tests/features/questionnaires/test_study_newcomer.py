@@ -9,8 +9,9 @@ from pathlib import Path
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from tests.features.questionnaires.rig import on_stage, questionnaires
+from tests.features.questionnaires.rig import history, on_stage, questionnaires
 from tests.session.rig import SessionRig
+from woz_tui.features.questionnaires.history import QuestionnaireHistory
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import AskAnswer
@@ -32,7 +33,7 @@ STEPS = st.one_of(
 def take(rig: SessionRig, step: str, what: str) -> None:
     """One step, or nothing if it is refused."""
     study = rig.session.study
-    asking = study.state.questionnaire
+    asking = history(rig).questionnaire
     with contextlib.suppress(RequestError):
         match step:
             case "trial":
@@ -68,11 +69,10 @@ def test_the_state_for_newcomers_tells_all(tmp_path: Path, steps: list[tuple[str
             for message in live.messages():
                 late.apply(message)
             study_settings = late.study.settings = rig.session.study.settings
-            assert study_snapshot(study_settings, late.study) == study_snapshot(
-                study_settings, live.study
-            )
-            assert late.study.had == live.study.had
-            assert late.study.questionnaire == live.study.questionnaire
+            assert study_snapshot(study_settings, late) == study_snapshot(study_settings, live)
+            asked, known = (each.history(QuestionnaireHistory) for each in (live, late))
+            assert known.had == asked.had
+            assert known.questionnaire == asked.questionnaire
 
     on_stage(tmp_path, scenario)
 

@@ -282,7 +282,7 @@ def _tables(figures: SessionFigures) -> Iterator[Markup | None]:
     yield table(tables.people(figures))
     yield table(tables.addressed(figures))
     yield from map(table, tables.of_features(figures))
-    for each in (tables.answers, tables.marks, tables.stops):
+    for each in (tables.marks, tables.stops):
         yield table(each(figures))
     sentences = [tag("li", isolated(sentence)) for sentence in tables.circumstances(figures)]
     if sentences:

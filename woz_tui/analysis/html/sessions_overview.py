@@ -20,7 +20,6 @@ from woz_tui.analysis.report_tables import (
     PAGE_COLUMNS,
     condition_totals,
     figure_text,
-    item_tables,
 )
 from woz_tui.analysis.text_format import NONE, counted
 
@@ -140,7 +139,8 @@ def _totals(grouped: GroupedSessions) -> Iterator[Child]:
             yield tag("h3", isolated(experiment or "experiment not recorded"))
         totals = grouped.totals(experiment)
         yield table(condition_totals(totals))
-        yield from map(table, item_tables(grouped.items(experiment), totals))
+        for each in grouped.gathered.values():
+            yield from map(table, each.tables(experiment, totals))
         yield from outcome_figures(grouped.outcomes(experiment))
     yield from map(table, apart_tables(grouped))
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 
+from woz_tui.analysis.feature_figures import Instant
 from woz_tui.analysis.html.markup import clean
 from woz_tui.analysis.html.timeline_styles import SORTS
 from woz_tui.analysis.timeline_lanes import (
-    Instant,
     Interval,
     SensorCurve,
     TimelineDrawing,

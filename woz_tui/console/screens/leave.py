@@ -2,29 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pkgutil import resolve_name
 
 from textual.content import Content
 from textual.widgets import OptionList
 
-from woz_tui.console.drawing.cells import Row, clean
+from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import plain, refusal_text
 from woz_tui.console.screens.start import StartDialog
-from woz_tui.console.screens.trial import ask_questionnaire, progress, questionnaire_title
 from woz_tui.console.screens.typed import typed_sentences
-from woz_tui.console.state.study import StudyView
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.widgets.feature_console import EndAnswer, EndQuestion, FeatureConsole
+from woz_tui.feature import answers_of, pieces
 from woz_tui.log.file_names import gets_participant
 from woz_tui.protocol.requests import AskKeepTyped, AskTrial, Reply
 from woz_tui.system.text_cleaning import lasting
 
-#: Names of what is open: who takes part, the trial (with its number), a questionnaire (with its
-#: name), the typed sentences.
-_WHO, _TRIAL, _ASK, _TYPED = "participant", "trial ", "questionnaire ", "typed"
-#: The answer that asks no questionnaire, and the one with which a trial is done.
-_SKIP, _DONE = 1, 1
+#: Names of what is open: who takes part, the trial (with its number), the typed sentences.
+_WHO, _TRIAL, _TYPED = "participant", "trial ", "typed"
+#: The answer with which a trial is done.
+_DONE = 1
 #: Under which name the answers are kept while the dialog is closed.
 _DRAFT = "LeaveDialog "
 
@@ -62,7 +63,7 @@ class LeaveDialog(ChoiceDialog):
         if self.state.role == "watcher":  # the end is not offered
             return rows
         warning = self.glyphs.warning
-        cut: list[Row] = [((f"{warning} {told}", "warn"),) for told in cut_off(self.state.study)]
+        cut: list[Row] = [((f"{warning} {told}", "warn"),) for told in cut_off(self.state)]
         if gets_participant(log):
             rows.append(
                 (("The participant's code is added to the file name at the end.", "muted"),)
@@ -103,7 +104,7 @@ class LeaveDialog(ChoiceDialog):
         """With the answers that were given before."""
         if self.state.role == "watcher":
             return []
-        study, found = self.state.study, list[OpenQuestion]()
+        found = list[OpenQuestion]()
         if self._lacks_participant():
             who = "No participant was given"
             # Whatever comes before the first code is nobody's: later it would take all away.
@@ -116,11 +117,9 @@ class LeaveDialog(ChoiceDialog):
             trial = f"Trial {number} is still running; ending the session marks it as"
             found.append(self._open(f"{_TRIAL}{number}", f"{trial} aborted.", f"{trial} done."))
             done = found[-1].answer == _DONE
-        for name in study.unanswered(done=done) if study.open_questionnaire is None else ():
-            title = f"{clean(questionnaire_title(study, name))} has not been answered"
-            there = [f"{title}: ask at the participant's terminal"] if study.participants else []
-            answers = (f"{title}: ask it first", f"{title}: skip it", *there)
-            found.append(self._open(f"{_ASK}{name}", *answers))
+        self._of_features = {each.key: each for each in _at_end(self.state, trial_done=done)}
+        for each in self._of_features.values():
+            found.append(self._open(each.key, *(answer.sentence for answer in each.answers)))
         if count := len(typed_sentences(self.state)):
             typed = f"{count} typed sentence{'' if count == 1 else 's'}"
             answers = (f"{typed}: in the log only", f"{typed}: also into a copy of your file")
@@ -168,8 +167,8 @@ class LeaveDialog(ChoiceDialog):
     # -- the end ----------------------------------------------------------------------------------
 
     def _end(self) -> None:
-        """Do what was answered, then end. Behind a questionnaire, or once there is a participant,
-        this dialog comes again.
+        """Do what was answered, then end. Behind what is seen to first, or once there is a
+        participant, this dialog comes again.
         """
         answers = {each.key: each.answer for each in self._questions}
         if answers.get(_WHO):
@@ -186,14 +185,26 @@ class LeaveDialog(ChoiceDialog):
 
     def _go_on(self, answers: Mapping[str, int]) -> None:
         for key, answer in answers.items():
-            if key.startswith(_ASK) and answer != _SKIP:
-                here, name = answer == 0, key.removeprefix(_ASK)
-                ask_questionnaire(self.console_app, name, here=here, leaving=True)
+            asked = self._of_features.get(key)
+            if asked is not None and asked.answers[answer].request is not None:
+                self._see_to(asked.answers[answer])
                 return
         if answers.get(_TYPED):
             self.requests.ask(AskKeepTyped(), self._kept)
         else:
             self.requests.end_session()
+
+    def _see_to(self, chosen: EndAnswer) -> None:
+        """Before the end, and ask again behind it where that is at this console."""
+
+        def answered(reply: Reply) -> None:
+            self.requests.refused(reply)
+            if reply.ok and chosen.opens:
+                self.requests.leaving = True
+                self.console_app.open_dialog(resolve_name(chosen.opens)())
+
+        if chosen.request is not None:
+            self.requests.ask(chosen.request, answered)
 
     def _kept(self, reply: Reply) -> None:
         """The copy is written, or not: then the session goes on, and says why."""
@@ -205,16 +216,20 @@ class LeaveDialog(ChoiceDialog):
         self.requests.end_session()
 
 
-def cut_off(study: StudyView) -> list[str]:
+def _at_end(state: ConsoleState, *, trial_done: bool) -> Iterator[EndQuestion]:
+    """What is open of features."""
+    for name, console in pieces("console", FeatureConsole).items():
+        if console.at_end is not None:
+            yield from answers_of(name, console.at_end, state, trial_done)
+
+
+def cut_off(state: ConsoleState) -> list[str]:
     """What the end of the session would cut off or leave out and no answer changes."""
     found: list[str] = []
-    if (opened := study.open_questionnaire) is not None:
-        found.append(f"{clean(opened.questionnaire.heading)}: {progress(opened)}")
-        found += [
-            f"{clean(questionnaire_title(study, name))} has not been answered"
-            for name in study.unanswered()
-        ]
-    state = study.session.study
-    if state.trial is None and state.last_ended is not None and (left := state.trials_left):
-        found.append(f"{left} of {state.planned} trials {'is' if left == 1 else 'are'} still to do")
+    for name, console in pieces("console", FeatureConsole).items():
+        if console.cut_off is not None:
+            found += answers_of(name, console.cut_off, state)
+    study = state.session.study
+    if study.trial is None and study.last_ended is not None and (left := study.trials_left):
+        found.append(f"{left} of {study.planned} trials {'is' if left == 1 else 'are'} still to do")
     return found

@@ -1,10 +1,10 @@
-"""Trials, breaks and questionnaires: each one more key press away."""
+"""Trials and breaks, and what features have between them: each one more key press away."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import partial
+from pkgutil import resolve_name
 
 from textual import events
 from textual.content import Content
@@ -12,18 +12,15 @@ from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
 
 from woz_tui.config.study_words import OVER
-from woz_tui.console.drawing.cells import Row, clean, fit_most
-from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
+from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
-from woz_tui.console.state.questionnaires import OpenQuestionnaire
-from woz_tui.console.state.study import StudyView
-from woz_tui.protocol.requests import AskQuestionnaire, AskTrial, Reply
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.widgets.feature_console import FeatureStep, between_trials, under_way
+from woz_tui.feature import answer_of, answers_of
+from woz_tui.protocol.requests import AskTrial, Reply
 from woz_tui.system.text_cleaning import elapsed
 from woz_tui.timeline.episodes import TrialEpisode
 from woz_tui.timeline.study_history import StudyState
-
-#: Questionnaires that have a digit of their own.
-_NUMBERED = 9
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +46,7 @@ class TrialDialog(Dialog):
 
     def body(self) -> Iterable[Widget]:
         """Where the session stands, what can be done, a field for a word."""
-        self._steps = trial_steps(self.state.study)
+        self._steps = trial_steps(self.state)
         yield Static(content(self.lines()), id="stands")
         yield OptionList(*map(self._line, self._steps), id="choices")
         field = Input(placeholder="reason (optional)", id="why")
@@ -66,9 +63,8 @@ class TrialDialog(Dialog):
         rows: list[Row] = [first]
         if study.order:
             rows.append(order_row(study.order, _here(study), self.glyphs.here))
-        if (asked := self.state.study.open_questionnaire) is not None:
-            told = f"{asked.questionnaire.heading}: {progress(asked)}"
-            rows.append(((clean(told), "wait"),))
+        if (asked := under_way(self.state)) is not None:
+            rows.append(((clean(f"{asked.title}: {asked.progress}"), "wait"),))
         return [*rows, ()]
 
     def refreshed(self) -> None:
@@ -121,52 +117,13 @@ class TrialDialog(Dialog):
             self._asking.do(self.console_app, event.value.strip())
 
 
-class OfferDialog(ChoiceDialog):
-    """A questionnaire is due: ask it now, or later."""
-
-    heading = "Questionnaire"
-    hint = "arrows choose · enter · ctrl+q: later"
-
-    def __init__(self, name: str) -> None:
-        super().__init__()
-        self._asked = name
-
-    def lines(self) -> list[Row]:
-        """Which one."""
-        one = self.state.study.questionnaire(self._asked)
-        title = questionnaire_title(self.state.study, self._asked)
-        items = len(one.items) if one is not None else 0
-        count = f"  {items} item{'' if items == 1 else 's'}" if items else ""
-        back = "It covers this screen; ctrl+q brings the console back."
-        return [((clean(title), "strong"), (count, "muted")), ((back, "plain"),)]
-
-    def choices(self) -> list[ListChoice]:
-        """Where to ask it."""
-        ask = partial(ask_questionnaire, self.console_app, self._asked)
-        there = ListChoice(Content("At the participant's terminal"), partial(ask, here=False))
-        return [
-            ListChoice(Content("Ask it here"), partial(ask, here=True)),
-            *([there] if self.state.study.participants else []),
-            ListChoice(Content("Later")),
-        ]
-
-
 # -- what can be done -----------------------------------------------------------------------------
 
 
-def trial_steps(study: StudyView) -> list[TrialStep]:
+def trial_steps(console: ConsoleState) -> list[TrialStep]:
     """All that makes sense now, the most likely first."""
-    found: list[TrialStep] = []
-    state = study.session.study
-    if study.open_questionnaire is not None:
-        title = study.open_questionnaire.questionnaire.heading
-        found.append(
-            TrialStep("q", f"go on with: {title}", lambda app, why: app.do("questionnaire"))
-        )
-        found.append(TrialStep("l", "leave it unfinished", _leave(study.open_questionnaire.name)))
-    elif study.due:
-        title = fit_most(questionnaire_title(study, study.due[0]), 50, "…")
-        found.append(TrialStep("q", f"ask: {title}", _offer(study.due[0])))
+    state = console.session.study
+    found = [*_of_features(console, "first")]
     if state.in_break is not None:
         found.append(TrialStep("r", "resume: the break is over", _trial("resume")))
     if (of := state.trial) is not None:
@@ -175,17 +132,11 @@ def trial_steps(study: StudyView) -> list[TrialStep]:
             TrialStep("a", "aborted: it will be run again", _trial("aborted", of), asks=True),
             TrialStep("x", "excluded: not to be analysed", _trial("excluded", of), asks=True),
         ]
-    elif study.open_questionnaire is None and not state.all_over:
+    elif under_way(console) is None and not state.all_over:
         found.append(TrialStep("b", _beginning(state), _trial("begin")))
     if state.in_break is None:
         found.append(TrialStep("p", "pause: a break", _trial("break")))
-    if study.open_questionnaire is None:
-        listed, first = state.settings.questionnaires, study.due[:1]
-        others = [one for one in listed if one.name not in first]
-        for number, one in enumerate(others[:_NUMBERED], start=1):
-            over = "  (asked already)" if one.name in state.had else ""
-            found.append(TrialStep(str(number), f"ask: {one.heading}{over}", _offer(one.name)))
-    return found
+    return [*found, *_of_features(console, "last")]
 
 
 def _beginning(study: StudyState) -> str:
@@ -214,13 +165,6 @@ def _here(study: StudyState) -> str:
     return "" if study.all_over else following or study.condition
 
 
-def progress(asked: OpenQuestionnaire) -> str:
-    """How far a questionnaire is that is being asked."""
-    if asked.answered == len(asked.items):
-        return "answered, not confirmed"
-    return f"{asked.answered} of {len(asked.items)} answered"
-
-
 def order_row(order: Iterable[str], present: str, here: str) -> Row:
     """The conditions in their order, the present one marked by a sign."""
     row: Row = ()
@@ -231,39 +175,28 @@ def order_row(order: Iterable[str], present: str, here: str) -> Row:
     return row
 
 
-def ask_questionnaire(app: ConsoleApp, name: str, *, here: bool, leaving: bool = False) -> None:
-    """Put a questionnaire to the participant, at this terminal or at theirs. `leaving`: the wizard
-    was ending the session, and is asked again behind it.
-    """
-
-    def answered(reply: Reply) -> None:
-        app.requests.refused(reply)
-        if reply.ok and here:
-            app.requests.leaving = leaving
-            app.do("questionnaire")
-
-    app.requests.ask(AskQuestionnaire(questionnaire=name), answered)
-
-
-def questionnaire_title(study: StudyView, name: str) -> str:
-    """Its heading; the name where the file does not have it any more."""
-    one = study.questionnaire(name)
-    return one.heading if one is not None else name
-
-
 def offer_due(app: ConsoleApp) -> None:
-    """Offer what is to be asked now, if anything is and nothing is being asked."""
-    study = app.state.study
-    if study.due and study.open_questionnaire is None:
-        app.open_dialog(OfferDialog(study.due[0]))
+    """Offer what features have behind a trial, if any has something."""
+    for name, each in between_trials():
+        step = answer_of(name, None, each.offers, app.state)
+        if step is not None:
+            _feature_step(step).do(app, "")
+            return
 
 
-def _offer(name: str) -> Callable[[ConsoleApp, str], None]:
-    return lambda app, why: app.open_dialog(OfferDialog(name))
+def _of_features(state: ConsoleState, place: str) -> Iterator[TrialStep]:
+    for name, each in between_trials():
+        yield from map(_feature_step, answers_of(name, getattr(each, place), state))
 
 
-def _leave(name: str) -> Callable[[ConsoleApp, str], None]:
-    return lambda app, why: app.requests.ask(AskQuestionnaire(questionnaire=name, what="left"))
+def _feature_step(step: FeatureStep) -> TrialStep:
+    def do(app: ConsoleApp, why: str) -> None:
+        if step.request is not None:
+            app.requests.ask(step.request)
+        if step.opens:
+            app.open_dialog(resolve_name(step.opens)(*filter(None, (step.about,))))
+
+    return TrialStep(step.key, step.text, do)
 
 
 def _trial(what: str, of: TrialEpisode | None = None) -> Callable[[ConsoleApp, str], None]:

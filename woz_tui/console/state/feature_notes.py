@@ -37,6 +37,9 @@ class FeatureNotes:
         """Work a message in that `session` has taken; a sentence of it for the wizard, if any."""
         return None
 
+    def follow(self) -> None:
+        """Take over what `session` holds, which may have come without its messages."""
+
 
 N = TypeVar("N", bound=FeatureNotes)
 
@@ -59,9 +62,20 @@ class AllNotes:
                 continue
             try:
                 news = notes.apply(message)
-            except Exception:
-                log.exception("%s failed", kind.__name__)
-                del self._all[kind]
+            except Exception:  # noqa: BLE001 - of others: the rest has to go on
+                self._give_up(kind)
             else:
                 if news is not None:
                     yield news
+
+    def follow(self) -> None:
+        """Take over what the session holds."""
+        for kind, notes in [*self._all.items()]:
+            try:
+                notes.follow()
+            except Exception:  # noqa: BLE001 - of others: the rest has to go on
+                self._give_up(kind)
+
+    def _give_up(self, kind: type[FeatureNotes]) -> None:
+        log.exception("%s failed", kind.__name__)
+        del self._all[kind]

@@ -1,17 +1,13 @@
-"""The study for the screen: order, trial, break, questionnaires, preflight list."""
+"""The study for the screen: order, trial, break, preflight list."""
 
 from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
 
-import msgspec
-
 from woz_tui.console.state.feature_notes import AllNotes, StudyNews
-from woz_tui.console.state.questionnaires import OpenQuestionnaire, items_of
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS
-from woz_tui.protocol.welcome import Questionnaire
 from woz_tui.timeline.session_state import SessionState
 
 #: Sentences for the wizard that may wait to be read.
@@ -28,8 +24,6 @@ class StudyView:
     session: SessionState = field(default_factory=SessionState)
     #: What features keep for the screen.
     notes: AllNotes = field(init=False)
-    #: The questionnaire that is put to somebody now.
-    open_questionnaire: OpenQuestionnaire | None = None
     #: The run of which it was said that no trial is under way; empty: not yet since the last one.
     _outside_run: str = ""
     _news: deque[StudyNews] = field(default_factory=lambda: deque(maxlen=_MOST_NEWS))
@@ -38,11 +32,6 @@ class StudyView:
         self.notes = AllNotes(self.session)
 
     # -- reading ------------------------------------------------------------------------------
-
-    @property
-    def due(self) -> list[str]:
-        """Names of questionnaires that are due now."""
-        return [due.questionnaire for due in self.session.study.due]
 
     @property
     def checks(self) -> dict[str, bool]:
@@ -69,24 +58,9 @@ class StudyView:
         running = study.trial is not None or study.in_break is not None
         return study.designed or running or study.last_ended is not None
 
-    def questionnaire(self, name: str) -> Questionnaire | None:
-        """The questionnaire of this name."""
-        asked = self.session.study.settings.questionnaires
-        return next((one for one in asked if one.name == name), None)
-
     def unticked(self) -> list[str]:
         """What nobody has seen to."""
         return [check for check, ticked in self.checks.items() if not ticked]
-
-    def unanswered(self, *, done: bool = False) -> list[str]:
-        """Questionnaires that are due or for the end of the session, that nobody has answered or
-        declined and that are not being asked. `done`: as if the trial under way were done.
-        """
-        asked = self.open_questionnaire.name if self.open_questionnaire is not None else None
-        study = self.session.study
-        still = study.open_if_done() if done else study.open_at_end()
-        wanted = (each.questionnaire for each in still)
-        return [name for name in dict.fromkeys(wanted) if name != asked]
 
     def read_news(self) -> list[StudyNews]:
         """Sentences that nobody has read, oldest first."""
@@ -115,12 +89,6 @@ class StudyView:
                     what = "item is" if len(missing) == 1 else "items are"
                     text = f"{len(missing)} preflight {what} not ticked"
                     self._news.append(StudyNews(text, "warn", command=("preflight", "list them")))
-            case m.QuestionnaireStarted() | m.QuestionnaireEnded():
-                self.follow()
-            case m.QuestionnaireAnswered():
-                self.follow()
-                if self.open_questionnaire is not None:
-                    self.open_questionnaire.apply(message)
 
     def _outside(self, run: str) -> None:
         """Say once that what is played belongs to no trial, in a study that has trials."""
@@ -131,25 +99,5 @@ class StudyView:
             self._news.append(_OUTSIDE)
 
     def follow(self) -> None:
-        """Ask what `session` asks now; in the same round the sheet that shows it keeps what was
-        answered there and is not confirmed yet.
-        """
-        current = self.session.study.questionnaire
-        if current is None:
-            self.open_questionnaire = None
-            return
-        started, asked = current.started, self.open_questionnaire
-        began = started.t if started is not None else None
-        if asked is None or asked.round != (current.name, began):
-            opened = OpenQuestionnaire(self._open(current.name, started), began=began)
-            self.open_questionnaire = opened
-            for answer in current.answers.values():
-                opened.apply(answer)
-
-    def _open(self, name: str, started: m.QuestionnaireStarted | None) -> Questionnaire:
-        """As it was begun; what that does not say, as the file has it."""
-        known = self.questionnaire(name) or Questionnaire(name)
-        if started is None:
-            return known
-        items = items_of(started.items) or known.items
-        return msgspec.structs.replace(known, title=started.title, items=items)
+        """Take over what `session` holds."""
+        self.notes.follow()

@@ -1,7 +1,4 @@
-"""Puts messages of the study into lines for the wizard's list of events.
-
-Answers of a participant have no line: they are for the log, not for whoever plays the robot.
-"""
+"""Puts messages of the study into lines for the wizard's list of events."""
 
 from __future__ import annotations
 
@@ -45,13 +42,6 @@ def event_text(message: m.Message) -> EventText | None:
             return EventText("done", f"Ticked: {message.check}", message.detail)
         case m.PreflightChecked():
             return EventText("warning", f"Not ticked: {message.check}", message.detail)
-        case m.QuestionnaireStarted():
-            about = f"after trial {message.trial}" if message.trial >= 0 else ""
-            return EventText("info", f"Asked: {message.title or message.questionnaire}", about)
-        case m.QuestionnaireEnded(reason=reason):
-            ended = {"done": "answered", "left": "not finished"}.get(reason, reason)
-            mark = "done" if reason == "done" else "info"
-            return EventText(mark, f"Questionnaire {ended}", f"{message.answered} answered")
         case m.PerceptionChanged(hidden=hidden, blurred=blurred):
             if not hidden and not blurred:
                 return EventText("info", "Nothing is hidden from you")

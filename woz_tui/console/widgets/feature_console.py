@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.input.keyboard import KeyPress
 from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol.requests import Request
 
 
@@ -107,6 +108,64 @@ class NextStep:
 
 
 @dataclass(frozen=True, slots=True)
+class UnderWay:
+    """What is under way between trials, and how far it is, in words."""
+
+    title: str
+    progress: str
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureStep:
+    """What one key of the dialog of trials does: it sends its request, or opens the dialog
+    `module:Class`, made with what it is `about`, if anything is named.
+    """
+
+    key: str
+    text: str
+    opens: str = ""
+    about: str = ""
+    request: Request | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class BetweenTrials:
+    """What a feature has between trials.
+
+    `under_way`: what has to end before the next trial begins. `first`, `last`: its steps in the
+    dialog of trials, before and behind those of trials. `offers`: the step whose dialog opens when
+    a trial is over.
+    """
+
+    under_way: Callable[[ConsoleState], UnderWay | None]
+    first: Callable[[ConsoleState], Iterable[FeatureStep]]
+    last: Callable[[ConsoleState], Iterable[FeatureStep]]
+    offers: Callable[[ConsoleState], FeatureStep | None]
+
+
+@dataclass(frozen=True, slots=True)
+class EndAnswer:
+    """What becomes of something that is open when the wizard ends the session: a sentence, and the
+    request that goes out before the end, if any, with the dialog `module:Class` in which it is
+    seen to; then the end is asked again.
+    """
+
+    sentence: str
+    request: Request | None = None
+    opens: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class EndQuestion:
+    """Something that is open at the end, with what may become of it, the usual first. `key`: under
+    which the choice is kept.
+    """
+
+    key: str
+    answers: Sequence[EndAnswer]
+
+
+@dataclass(frozen=True, slots=True)
 class FeatureConsole:
     """What a feature has on the screen. Nothing in it may import Textual: dialogs are named.
 
@@ -118,7 +177,10 @@ class FeatureConsole:
     opens by itself now. `instead`: the dialog `module:Class` that opens now for a command of the
     console, by the id of its key, instead of what it does otherwise; empty: nothing, None: as
     otherwise. `finds`: what the palette finds beside its commands. `order`: what a key plays one
-    after the other; of several features the first has it.
+    after the other; of several features the first has it. `between`: what it has between trials.
+    `at_end`: what is open when the session ends, also if the trial under way were done. `cut_off`:
+    what the end would cut off, in sentences. `value`: what stands behind the trial in the first
+    status row.
     """
 
     commands: tuple[FeatureCommand, ...] = ()
@@ -131,3 +193,20 @@ class FeatureConsole:
     following: Callable[[ConsoleState], NextStep | None] | None = None
     finds: Callable[[ConsoleState], Iterable[FoundRequest]] | None = None
     order: ActionOrder | None = None
+    between: BetweenTrials | None = None
+    at_end: Callable[[ConsoleState, bool], Iterable[EndQuestion]] | None = None
+    cut_off: Callable[[ConsoleState], Iterable[str]] | None = None
+    value: Callable[[ConsoleState], str] | None = None
+
+
+def between_trials() -> Iterator[tuple[str, BetweenTrials]]:
+    """What features have between trials, by their names."""
+    for name, console in pieces("console", FeatureConsole).items():
+        if console.between is not None:
+            yield name, console.between
+
+
+def under_way(state: ConsoleState) -> UnderWay | None:
+    """What has to end before the next trial begins."""
+    found = (answer_of(name, None, each.under_way, state) for name, each in between_trials())
+    return next((each for each in found if each is not None), None)

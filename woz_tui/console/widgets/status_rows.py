@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from rich.cells import cell_len
@@ -22,7 +22,7 @@ from woz_tui.console.robot_settings.status import driver_trouble
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.replay import wall_time
 from woz_tui.console.state.view_models import DriverView
-from woz_tui.console.widgets.feature_console import FeatureConsole
+from woz_tui.console.widgets.feature_console import FeatureConsole, under_way
 from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol.panel_players import part_names
 from woz_tui.system.text_cleaning import elapsed
@@ -139,18 +139,23 @@ def _badge(state: ConsoleState) -> Row:
 
 def _values(state: ConsoleState, frame: PaintFrame) -> list[str]:
     """Who takes part, under which condition, in which trial, and so on."""
-    asked, session = state.study.open_questionnaire, state.session
-    study, start = session.study, session.start
+    study, start = state.session.study, state.session.start
     others = clean(part_names(state.others, state.others))
     found = (
         clean(study.participant) or "no participant",
         clean(study.condition) or ("no condition" if state.plan.conditions else ""),
         trial_text(state, frame),
         f"with {others}" if others and state.role == "wizard" else "",
-        f"questions {asked.answered}/{len(asked.items)}" if asked is not None else "",
+        *_of_features(state),
         f"session {clean(start.session)}" if start is not None and start.session else "",
     )
     return [value for value in found if value]
+
+
+def _of_features(state: ConsoleState) -> Iterator[str]:
+    for name, console in pieces("console", FeatureConsole).items():
+        if console.value is not None:
+            yield answer_of(name, "", console.value, state)
 
 
 def trial_text(state: ConsoleState, frame: PaintFrame) -> str:
@@ -161,7 +166,7 @@ def trial_text(state: ConsoleState, frame: PaintFrame) -> str:
         return f"break {elapsed(now - study.in_break.begin)}"
     if study.trial is not None:
         return f"trial {study.trial.label}{of} {elapsed(now - study.trial.begin)}"
-    if state.study.open_questionnaire is not None:
+    if under_way(state) is not None:
         return ""  # how far that is has its place
     if study.last_ended is not None:
         return f"trial {study.last_ended.trial}{of} {study.last_ended.outcome:<5}"

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
-from woz_tui.console.state.questionnaires import ItemAnswer, OpenQuestionnaire
 from woz_tui.features.page.html import hidden, page
 from woz_tui.features.page.item_forms import ITEM_FORMS, kind_of
 from woz_tui.features.page.seat import ParticipantSeat
+from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire
 from woz_tui.protocol.welcome import QuestionnaireItem
 
 #: Seconds after which a browser without JavaScript looks whether something is asked.

@@ -10,10 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from woz_tui.analysis.html.markup import Markup, joined, tag
-from woz_tui.console.state.questionnaires import ItemAnswer
+from woz_tui.features.questionnaires.answers import ItemAnswer
 from woz_tui.protocol.requests import AskAnswer
-from woz_tui.protocol.welcome import QuestionnaireItem, QuestionnaireWords
-from woz_tui.session.questionnaire_control import LONGEST
+from woz_tui.protocol.welcome import LONGEST, QuestionnaireItem, QuestionnaireWords
 
 #: Points of a scale that are buttons each, at the most; a wider one takes a number.
 MOST_POINTS = 21

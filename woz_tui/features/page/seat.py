@@ -14,10 +14,11 @@ from typing import Any
 import msgspec
 
 from woz_tui.console.link.message_feed import GONE, Incoming, Loss
-from woz_tui.console.state.questionnaires import ItemAnswer, OpenQuestionnaire
 from woz_tui.features.page.follower import SessionFollower
 from woz_tui.features.page.item_forms import UnreadAnswerError, answer_of
 from woz_tui.features.page.news import News, within
+from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire
+from woz_tui.features.questionnaires.console import questionnaires_of
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
 from woz_tui.protocol.welcome import QuestionnaireItem, QuestionnaireWords
@@ -96,7 +97,7 @@ class ParticipantSeat:
     @property
     def asked(self) -> OpenQuestionnaire | None:
         """The questionnaire that is put to somebody now."""
-        return self.follower.state.study.open_questionnaire
+        return questionnaires_of(self.follower.state).open
 
     @property
     def words(self) -> QuestionnaireWords:

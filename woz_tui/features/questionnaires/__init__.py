@@ -1,6 +1,6 @@
 """Questionnaires: what a participant is asked behind trials, conditions and at the end."""
 
-from woz_tui.feature import Feature
+from woz_tui.feature import Feature, ParticipantScreen
 
 
 class Questionnaires(Feature):
@@ -11,3 +11,15 @@ class Questionnaires(Feature):
     words = "questionnaire"
     gate = "gate:GATE"
     session = "in_session:QuestionnaireController"
+    history = "history:QuestionnaireHistory"
+    sentences = "console:SENTENCES"
+    notes = "console:QuestionnaireNotes"
+    console = "console:CONSOLE"
+    figures = "figures:FIGURES"
+    gathered = "scales:GatheredScales"
+    report = "report:REPORT"
+    screen = ParticipantScreen(
+        "--questionnaire",
+        "show only the questionnaires (or this one), for the participant's terminal",
+        app="terminal:ParticipantApp",
+    )

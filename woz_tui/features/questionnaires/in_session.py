@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from woz_tui.features.questionnaires.history import QuestionnaireHistory
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import PARTICIPANT
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
 from woz_tui.protocol.welcome import LONGEST, QuestionnaireItem
+from woz_tui.session.condition_proposal import Owed
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 
 
@@ -20,8 +22,11 @@ class QuestionnaireController(SessionFeature):
 
     def __init__(self, session: FeatureSession) -> None:
         super().__init__(session)
-        self._study = session.state.study
         self._publish = session.hub.publish
+
+    @property
+    def _history(self) -> QuestionnaireHistory:
+        return self.session.state.history(QuestionnaireHistory)
 
     def carry_out(self, request: AskQuestionnaire | AskAnswer, client: Client) -> str:
         if isinstance(request, AskAnswer):
@@ -32,7 +37,7 @@ class QuestionnaireController(SessionFeature):
 
     def allow_next(self) -> None:
         """One that is open belongs to the trial and the participant of its beginning."""
-        if (current := self._study.questionnaire) is not None:
+        if (current := self._history.questionnaire) is not None:
             raise RequestError(
                 f"the questionnaire {current.name!r} is open", "end it first", command="trial"
             )
@@ -47,26 +52,44 @@ class QuestionnaireController(SessionFeature):
             self._all_answered(started)
         self._end(name, what)
 
+    def tell_owed(self, participant: str, owed: Owed) -> None:
+        """Nothing is due in a session that begins."""
+        due = owed.get(QuestionnaireHistory, ())
+        if not due or self._history.due(self.session.state):
+            return
+        asked = self.session.state.study.settings.questionnaires
+        titles = {each.name: each.heading for each in asked}
+        named = ", ".join(titles.get(name, name) for name in due)
+        self._publish(
+            m.Notice(
+                level="warning",
+                text=f"{participant} has not answered: {named}",
+                remedy="ask it on paper: the log would have the answers in the condition of the"
+                " next trial",
+            )
+        )
+
     def close(self) -> None:
-        if (current := self._study.questionnaire) is not None:
+        if (current := self._history.questionnaire) is not None:
             self._end(current.name, "left")
 
     def _begin(self, name: str, source: str) -> None:
-        current = self._study.questionnaire
+        current = self._history.questionnaire
         if current is not None:
             raise RequestError(f"the questionnaire {current.name!r} is open", "end it first")
-        known = {each.name: each for each in self._study.settings.questionnaires}
+        known = {each.name: each for each in self.session.state.study.settings.questionnaires}
         if name not in known:
             raise RequestError(
                 f"there is no questionnaire {name!r}",
                 f"there are {', '.join(known)}" if known else "the file has no questionnaires",
             )
-        due = {each.questionnaire: each.trial for each in self._study.due}
+        due = {each.questionnaire: each.trial for each in self._history.due(self.session.state)}
         if source == PARTICIPANT and name not in due:
             raise RequestError(
                 f"the questionnaire {name!r} is not due yet", "the wizard can start it"
             )
-        trial = self._study.trial.started.trial if self._study.trial is not None else -1
+        running = self.session.state.study.trial
+        trial = running.started.trial if running is not None else -1
         self._publish(
             m.QuestionnaireStarted(
                 questionnaire=name,
@@ -78,7 +101,7 @@ class QuestionnaireController(SessionFeature):
         )
 
     def _under_way(self, name: str) -> m.QuestionnaireStarted:
-        current = self._study.questionnaire
+        current = self._history.questionnaire
         if current is None or current.started is None or current.name != name:
             other = f"{current.name!r} is" if current is not None else "none is"
             raise RequestError(f"the questionnaire {name!r} is not open", other)
@@ -86,7 +109,7 @@ class QuestionnaireController(SessionFeature):
 
     @property
     def _answers(self) -> Mapping[str, m.QuestionnaireAnswered]:
-        current = self._study.questionnaire
+        current = self._history.questionnaire
         return current.answers if current is not None else {}
 
     def _all_answered(self, started: m.QuestionnaireStarted) -> None:

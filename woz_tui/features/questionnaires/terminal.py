@@ -15,13 +15,14 @@ from woz_tui.config.keys.terminals import STOPS
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.input.keyboard import Keyboard
 from woz_tui.console.link.message_feed import GONE, Incoming, Loss, MessageFeed
-from woz_tui.console.questionnaire.widget import QuestionnaireSheet, Words, thanks
 from woz_tui.console.screen_app import ScreenApp
-from woz_tui.console.state.questionnaires import OpenQuestionnaire
+from woz_tui.features.questionnaires.answers import OpenQuestionnaire
+from woz_tui.features.questionnaires.console import questionnaires_of
+from woz_tui.features.questionnaires.history import DueQuestionnaire
+from woz_tui.features.questionnaires.widget import QuestionnaireSheet, Words, thanks
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import AskQuestionnaire, Reply, Request
 from woz_tui.protocol.welcome import QuestionnaireWords
-from woz_tui.timeline.study_history import DueQuestionnaire
 
 #: Leaves this screen; for whoever has set it up, so it stands nowhere on it.
 LEAVE = "ctrl+q"
@@ -90,9 +91,9 @@ class ParticipantApp(ScreenApp):
         """Whoever waits for one questionnaire alone asks for it as soon as it is due, and once: one
         that the wizard left is still due, and it is the wizard who begins it again.
         """
-        due = (each for each in self.state.session.study.due if each.questionnaire == self._only)
-        wanted = next(due, None)
-        away = self.state.study.open_questionnaire is not None or self.state.lost
+        due = questionnaires_of(self.state).history.due(self.state.session)
+        wanted = next((each for each in due if each.questionnaire == self._only), None)
+        away = questionnaires_of(self.state).open is not None or self.state.lost
         if wanted is not None and wanted != self._begun and not away:
             request = AskQuestionnaire(questionnaire=self._only, source="participant")
             self._ask(request, self._on_begin_reply)
@@ -112,7 +113,7 @@ class ParticipantApp(ScreenApp):
             on_reply(Reply(ref=ref, ok=False, reason=GONE))
 
     def _open_questionnaire(self) -> OpenQuestionnaire | None:
-        asked = self.state.study.open_questionnaire
+        asked = questionnaires_of(self.state).open
         wanted = asked is not None and self._only in ("", asked.name)
         return asked if wanted else None
 

@@ -16,7 +16,7 @@ from tests.console.piloting import PATIENCE, work_through
 from tests.console.scripted_feed import ScriptedFeed
 from woz_tui.console.input.keyboard import Keyboard
 from woz_tui.console.link.message_feed import Incoming
-from woz_tui.console.participant_app import ParticipantApp
+from woz_tui.features.questionnaires.terminal import ParticipantApp
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import QuestionnaireWords

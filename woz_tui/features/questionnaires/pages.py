@@ -9,7 +9,7 @@ from rich.cells import cell_len, chop_cells
 
 from woz_tui.console.drawing.cells import Piece, Row, clean, cut_rows, fit
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
-from woz_tui.console.questionnaire.run import WIDE, QuestionnairePage, QuestionnaireRun
+from woz_tui.features.questionnaires.run import WIDE, QuestionnairePage, QuestionnaireRun
 from woz_tui.protocol.welcome import QuestionnaireItem
 
 #: Cells of a page's column, and of a box on a scale.

@@ -10,9 +10,9 @@ from tests.console import scenes, study_scene
 from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.console.drawing.glyphs import ASCII
 from woz_tui.console.drawing.theme import Appearance
-from woz_tui.console.questionnaire.widget import QuestionnaireSheet
-from woz_tui.console.screens.questionnaire import QuestionnaireDialog
-from woz_tui.console.state.questionnaires import items_of
+from woz_tui.features.questionnaires.answers import items_of
+from woz_tui.features.questionnaires.dialog import QuestionnaireDialog
+from woz_tui.features.questionnaires.widget import QuestionnaireSheet
 from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r

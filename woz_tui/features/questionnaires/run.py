@@ -10,7 +10,7 @@ import enum
 from collections.abc import Callable
 
 from woz_tui.console.input.keyboard import HELD_US
-from woz_tui.console.state.questionnaires import ItemAnswer, OpenQuestionnaire
+from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
 from woz_tui.protocol.welcome import ENGLISH, LONGEST, QuestionnaireItem, QuestionnaireWords
 

@@ -6,10 +6,12 @@ import csv
 from pathlib import Path
 
 from tests.analysis.example_sessions import ExampleSession, figures_of, in_time
+from tests.features.questionnaires.scales import scale_totals
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.participant_groups import GroupedSessions
-from woz_tui.analysis.report_tables import item_tables
+from woz_tui.features.questionnaires.figures import asked_in
+from woz_tui.features.questionnaires.scales import item_tables
 from woz_tui.protocol import messages as m
 
 PERSON, LIKED = "Was it a person?", "I liked it"
@@ -51,7 +53,7 @@ def test_what_is_asked_at_the_end_is_of_no_condition(tmp_path: Path) -> None:
             found.add(figures)
             files.add(figures)
     [experiment] = found.experiments
-    by_condition, once = item_tables(found.items(experiment), found.totals(experiment))
+    by_condition, once = item_tables(scale_totals(found, experiment), found.totals(experiment))
     assert list(by_condition.heads[3:5]) == ["sober", "warm"]
     assert [row[1] for row in by_condition.rows] == ["liked"]
     assert once.title == "Asked once, about no condition (n = 3)"
@@ -66,18 +68,18 @@ def test_what_is_asked_at_the_end_is_of_no_condition(tmp_path: Path) -> None:
 
 def test_who_had_one_condition_answers_about_it_at_the_end_too() -> None:
     figures = played("P01", ["warm"], 4)
-    assert {answer.condition for answer in figures.answers} == {"warm"}
+    assert {answer.condition for answer in asked_in(figures).answers} == {"warm"}
 
 
 def test_a_study_without_conditions_has_one_table() -> None:
     found = GroupedSessions()
     found.add(played("P01", ["", ""], 4))
     [experiment] = found.experiments
-    [table] = item_tables(found.items(experiment), found.totals(experiment))
+    [table] = item_tables(scale_totals(found, experiment), found.totals(experiment))
     assert [row[1] for row in table.rows] == ["liked", "person"]
 
 
 def test_rounds_say_whose_they_are_and_what_was_asked() -> None:
-    first, second, last = played("P01", ["warm", "sober"], 4).rounds
+    first, second, last = asked_in(played("P01", ["warm", "sober"], 4)).rounds
     assert [first.condition, second.condition, last.condition] == ["warm", "sober", ""]
     assert (last.participant, last.asked, last.counted) == ("P01", ("person",), True)

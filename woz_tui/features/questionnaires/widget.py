@@ -14,15 +14,15 @@ from textual.widgets import TextArea
 from woz_tui.console.drawing.cells import Cells
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.link.message_feed import GONE
-from woz_tui.console.questionnaire.pages import (
+from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire
+from woz_tui.features.questionnaires.pages import (
     column_of,
     foot_rows,
     page_rows,
     question_height,
     words_rows,
 )
-from woz_tui.console.questionnaire.run import QuestionnaireRun
-from woz_tui.console.state.questionnaires import ItemAnswer, OpenQuestionnaire
+from woz_tui.features.questionnaires.run import QuestionnaireRun
 from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire, Reply
 from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords
 

@@ -1,1 +1,0 @@
-"""A questionnaire that somebody fills in: its pages, keys and answers."""

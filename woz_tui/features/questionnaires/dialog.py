@@ -1,0 +1,116 @@
+"""A questionnaire on the wizard's screen: read aloud, or turned to the participant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+
+from textual.app import ComposeResult
+from textual.content import Content
+from textual.widget import Widget
+
+from woz_tui.console.drawing.cells import Row, clean
+from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
+from woz_tui.console.screens.dialog import ConsoleApp, Dialog
+from woz_tui.features.questionnaires.console import offered, questionnaires_of
+from woz_tui.features.questionnaires.widget import QuestionnaireSheet, thanks
+from woz_tui.protocol.requests import AskQuestionnaire, Reply
+
+
+class QuestionnaireDialog(Dialog):
+    """Takes the whole screen, and shows nothing of a wizard: a participant may read it. So it
+    stays when all is answered, with thanks. ctrl+q closes it, as every dialog; opened in the middle
+    it goes on where it was.
+    """
+
+    heading = "Questionnaire"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._shown = self._over = False
+
+    def compose(self) -> ComposeResult:
+        """Nothing but the questionnaire."""
+        yield from self.body()
+
+    def body(self) -> Iterable[Widget]:
+        """The sheet."""
+        app = self.console_app
+        yield QuestionnaireSheet(self.requests.ask, app.clock.now_us, self.glyphs)
+
+    def on_mount(self) -> None:
+        """Begin where the questionnaire stands."""
+        self.refreshed()
+
+    def refreshed(self) -> None:
+        """Follow what is asked."""
+        asked, lost = questionnaires_of(self.state).open, bool(self.state.lost)
+        for sheet in self.query(QuestionnaireSheet):
+            words = self.state.settings.study.words
+            self._over = asked is None and not lost and self.state.welcomed
+            if asked is not None:
+                self._shown = True
+                sheet.follow(asked, words=words)
+            elif self._over and self._shown:
+                sheet.follow(None, thanks(words), words=words)
+            elif self._over:
+                self.call_later(self.leave)
+
+    def takes_late(self, chord: str) -> bool:
+        """Answers move nothing."""
+        return True
+
+    def closing(self) -> None:
+        """Keep what was typed; unless a stop closed it, offer what is to be asked behind it."""
+        for sheet in self.query(QuestionnaireSheet):
+            sheet.keep_draft()
+        leaving, self.requests.leaving = self.requests.leaving, False
+        if self._over and not self.console_app.stop_pending:
+            goes_on = partial(self.console_app.do, "leave") if leaving else None
+            self.app.call_later(goes_on or partial(_offer_next, self.console_app))
+
+
+class OfferDialog(ChoiceDialog):
+    """A questionnaire is due: ask it now, or later."""
+
+    heading = "Questionnaire"
+    hint = "arrows choose · enter · ctrl+q: later"
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self._asked = name
+
+    def lines(self) -> list[Row]:
+        """Which one."""
+        notes = questionnaires_of(self.state)
+        one, title = notes.called(self._asked), notes.title(self._asked)
+        items = len(one.items) if one is not None else 0
+        count = f"  {items} item{'' if items == 1 else 's'}" if items else ""
+        back = "It covers this screen; ctrl+q brings the console back."
+        return [((clean(title), "strong"), (count, "muted")), ((back, "plain"),)]
+
+    def choices(self) -> list[ListChoice]:
+        """Where to ask it."""
+        ask = partial(_ask, self.console_app, self._asked)
+        there = ListChoice(Content("At the participant's terminal"), partial(ask, here=False))
+        return [
+            ListChoice(Content("Ask it here"), partial(ask, here=True)),
+            *([there] if self.state.study.participants else []),
+            ListChoice(Content("Later")),
+        ]
+
+
+def _ask(app: ConsoleApp, name: str, *, here: bool) -> None:
+    """Put a questionnaire to the participant, at this terminal or at theirs."""
+
+    def answered(reply: Reply) -> None:
+        app.requests.refused(reply)
+        if reply.ok and here:
+            app.open_dialog(QuestionnaireDialog())
+
+    app.requests.ask(AskQuestionnaire(questionnaire=name), answered)
+
+
+def _offer_next(app: ConsoleApp) -> None:
+    if (step := offered(app.state)) is not None:
+        app.open_dialog(OfferDialog(step.about))

@@ -1,0 +1,193 @@
+"""What scales of questionnaires amount to over the participants of many sessions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from operator import attrgetter
+from typing import Any
+
+from woz_tui.analysis.feature_figures import GatheredFigures
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.outcomes import Outcome, OutcomeName
+from woz_tui.analysis.participant_groups import ConditionTotal, Total, total_of
+from woz_tui.analysis.participants import participants_of, who_took_part
+from woz_tui.analysis.report_table import LogText, ReportTable
+from woz_tui.analysis.report_tables import OVER, total_text
+from woz_tui.features.questionnaires.figures import AnswerRow, RoundRow, asked_in, scale_text
+
+
+@dataclass(frozen=True, slots=True)
+class ItemTotal:
+    """A scale of a questionnaire in one condition: over participants, as in `Total`. `wordings` are
+    all questions that were asked under the item's name and on this scale, in any condition;
+    `question` is the first of them.
+    """
+
+    questionnaire: str
+    item: str
+    question: str
+    condition: str
+    low: float | None
+    high: float | None
+    total: Total
+    wordings: tuple[str, ...]
+
+
+@dataclass(slots=True)
+class _Item:
+    wordings: dict[str, None] = field(default_factory=dict)
+    #: Condition -> participant -> answers.
+    values: dict[str, dict[str, list[float]]] = field(default_factory=dict)
+
+
+#: A scale: its questionnaire, its item and its ends.
+_Scale = tuple[str, str, float | None, float | None]
+
+
+@dataclass(frozen=True, slots=True)
+class _Blank:
+    """An item that was asked and has no answer, and why."""
+
+    condition: str
+    who: str
+    reason: str
+
+
+class _ScaleOutcomes:
+    """The outcomes of an experiment's scales."""
+
+    def __init__(self) -> None:
+        self._scales: dict[_Scale, Outcome] = {}
+        #: By questionnaire and item, until somebody's answer tells the scale.
+        self._blank: dict[tuple[str, str], list[_Blank]] = {}
+
+    def answer(self, answer: AnswerRow, who: str) -> None:
+        """Adds an answer on a scale."""
+        if answer.low is None or answer.high is None:
+            return
+        key = (answer.questionnaire, answer.item, answer.low, answer.high)
+        name = OutcomeName(
+            f"{answer.questionnaire}.{answer.item}", answer.question, "", answer.low, answer.high
+        )
+        there = self._scales.setdefault(key, Outcome(name)).at(answer.condition)
+        there.asked.add(who)
+        if answer.value is None:
+            there.missing["skipped"] += 1
+        else:
+            there.answers.setdefault(who, []).append(answer.value)
+
+    def unanswered(self, each: RoundRow, who: str, answered: set[tuple[str, int, str]]) -> None:
+        """Keeps the items of a round to which there is no line."""
+        for item in each.asked:
+            if (each.questionnaire, each.round, item) not in answered:
+                blank = _Blank(each.condition, who, each.reason or "no end in the log")
+                self._blank.setdefault((each.questionnaire, item), []).append(blank)
+
+    def scales(self, first: Mapping[str, str]) -> list[Outcome]:
+        """Scales of questionnaires; those about no condition (asked once) come last."""
+        for (questionnaire, item, _, _), outcome in self._scales.items():
+            for blank in self._blank.pop((questionnaire, item), ()):
+                there = outcome.at(blank.condition)
+                there.asked.add(blank.who)
+                there.missing[blank.reason] += 1
+        for outcome in self._scales.values():
+            outcome.first = first
+        return sorted(self._scales.values(), key=attrgetter("is_once"))
+
+
+class GatheredScales(GatheredFigures):
+    """Means of scales by condition."""
+
+    def __init__(self) -> None:
+        #: By experiment, questionnaire, item and the ends of its scale.
+        self._outcomes: dict[str, _ScaleOutcomes] = {}
+        self._items: dict[tuple[str, str, str, float | None, float | None], _Item] = {}
+
+    def add(self, experiment: str, figures: SessionFigures) -> None:
+        people = participants_of(figures) if figures.all_trials else ()
+        found, outcomes = asked_in(figures), self._outcomes.setdefault(experiment, _ScaleOutcomes())
+        rounds = {(each.questionnaire, each.round): each for each in found.rounds}
+        answered = set[tuple[str, int, str]]()
+        for answer in found.answers:
+            answered.add((answer.questionnaire, answer.round, answer.item))
+            if answer.counted or answer.participant in people:
+                outcomes.answer(answer, who_took_part(answer.participant, figures.session))
+        for each in rounds.values():
+            if each.counted or each.participant in people:
+                who = who_took_part(each.participant, figures.session)
+                outcomes.unanswered(each, who, answered)
+        for answer in found.answers:
+            if answer.value is None or not (answer.counted or answer.participant in people):
+                continue
+            key = (experiment, answer.questionnaire, answer.item, answer.low, answer.high)
+            item = self._items.setdefault(key, _Item())
+            item.wordings[answer.question] = None
+            values = item.values.setdefault(answer.condition, {})
+            values.setdefault(who_took_part(answer.participant, figures.session), []).append(
+                answer.value
+            )
+
+    def outcomes(self, experiment: str, first: Mapping[str, str]) -> list[Outcome]:
+        there = self._outcomes.get(experiment)
+        return there.scales(first) if there is not None else []
+
+    def items(self, experiment: str) -> list[ItemTotal]:
+        """Means of all scales, by questionnaire, item, scale and condition."""
+        return [
+            ItemTotal(
+                *(questionnaire, name, next(iter(item.wordings)), condition, low, high),
+                total=total_of(values),
+                wordings=tuple(item.wordings),
+            )
+            for (of, questionnaire, name, low, high), item in self._items.items()
+            if of == experiment
+            for condition, values in sorted(item.values.items())
+        ]
+
+    def tables(self, experiment: str, totals: Sequence[ConditionTotal]) -> Iterator[ReportTable]:
+        yield from item_tables(self.items(experiment), totals)
+
+    def remarks(self, experiment: str) -> Iterator[str]:
+        reworded = dict.fromkeys(
+            f"{each.questionnaire}.{each.item}"
+            for each in self.items(experiment)
+            if len(each.wordings) > 1
+        )
+        if reworded:
+            yield f"the words of {', '.join(reworded)} were changed between these sessions"
+
+    def values(self, experiment: str) -> Mapping[str, Any]:
+        return {"scales": self.items(experiment)}
+
+
+def item_tables(
+    items: Sequence[ItemTotal], totals: Sequence[ConditionTotal]
+) -> Iterator[ReportTable]:
+    """Means of questionnaire scales: by condition, and of what was asked once, about all of them.
+    In a study without conditions there is one table.
+    """
+    title = f"Questionnaires: {OVER}"
+    if not any(total.condition for total in totals):
+        yield _item_totals(title, items)
+        return
+    yield _item_totals(title, [item for item in items if item.condition])
+    once = [item for item in items if not item.condition]
+    people = max((item.total.n for item in once), default=0)
+    yield _item_totals(f"Asked once, about no condition (n = {people})", once, "all")
+
+
+def _item_totals(title: str, items: Sequence[ItemTotal], without: str = "none") -> ReportTable:
+    """A row for each item, a column for each condition; `without`: the head where there is none."""
+    conditions = sorted({item.condition for item in items})
+    rows: dict[tuple[str, ...], dict[str, Total]] = {}
+    for item in items:
+        words = " / ".join(item.wordings)
+        key = (words, item.questionnaire, item.item, scale_text(item.low, item.high))
+        rows.setdefault(key, {})[item.condition] = item.total
+    heads = ["Questionnaire", "Item", "Scale", *(LogText(each or without) for each in conditions)]
+    cells = [
+        [*map(LogText, key), *(total_text(row.get(each)) for each in conditions), LogText(question)]
+        for (question, *key), row in rows.items()
+    ]
+    return ReportTable(title, [*heads, "Question"], cells, words=3, on_terminal=len(heads))

@@ -30,7 +30,7 @@ def kept() -> str:
                 for kind, fields in sorted({**redaction.KEPT_IN, **kept_fields()}.items())
             )
             + ".",
-            *(_places(kind, places) for kind, places in sorted(redaction.KEPT_AT.items())),
+            *(_places(kind, places) for kind, places in sorted(redaction.kept_at().items())),
         ]
     )
 

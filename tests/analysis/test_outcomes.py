@@ -29,6 +29,11 @@ from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.cli import main
 from woz_tui.cli.report_layout import report_page
 from woz_tui.cli.report_sessions import show_sessions
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol import messages as m
 
 WARM, SOBER = [4.0, 2.0, 6.0, 3.0, 5.0], [6.0, 5.0, 7.0, 3.0, 6.0]
@@ -45,16 +50,16 @@ def play(
     session.add(at + 60, m.TrialEnded(trial=trial, outcome="done"))
     item: dict[str, m.Json] = {"name": "pleasant", "question": QUESTION, "low": 1, "high": high}
     session.add(
-        at + 61, m.QuestionnaireStarted(questionnaire="ux", title="", items=[item], trial=trial)
+        at + 61, QuestionnaireStarted(questionnaire="ux", title="", items=[item], trial=trial)
     )
     if not isinstance(reply, str):
-        answer = m.QuestionnaireAnswered(
+        answer = QuestionnaireAnswered(
             questionnaire="ux", item="pleasant", question=QUESTION, value=reply,
             skipped=reply is None, answered_us=1,
         )  # fmt: skip
         session.add(at + 65, answer)
     reason = reply if isinstance(reply, str) else "done"
-    session.add(at + 66, m.QuestionnaireEnded(questionnaire="ux", answered=1, reason=reason))
+    session.add(at + 66, QuestionnaireEnded(questionnaire="ux", answered=1, reason=reason))
 
 
 def played(participant: str, high: int = 7, /, **replies: Reply) -> SessionFigures:

@@ -22,6 +22,11 @@ from woz_tui.analysis.session_reading import read_report
 from woz_tui.analysis.tables import rounded
 from woz_tui.cli.report_layout import report_page
 from woz_tui.cli.report_sessions import show_sessions
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.features.questionnaires.scales import item_tables
 from woz_tui.protocol import messages as m
 from woz_tui.system.text_cleaning import cell
@@ -87,10 +92,10 @@ def answered_questionnaire(
     item = {"name": "liked", "question": question, "low": 1, "high": high}
     session = ExampleSession(participant=who, condition=condition)
     for place, value in enumerate(values):
-        session.add(place, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[item]))
+        session.add(place, QuestionnaireStarted(questionnaire="ux", title="UX", items=[item]))
         session.add(
             place,
-            m.QuestionnaireAnswered(
+            QuestionnaireAnswered(
                 questionnaire="ux", item="liked", question=question, value=value,
                 skipped=value is None,
             ),
@@ -217,12 +222,10 @@ def test_answers_are_long_and_wide(written: dict[str, list[dict[str, str]]]) -> 
 
 def test_answers_say_whether_means_include_them(tmp_path: Path) -> None:
     def asked(session: ExampleSession, seconds: float, value: float) -> None:
-        asks = m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[])
-        answer = m.QuestionnaireAnswered(
-            questionnaire="ux", item="liked", question="?", value=value
-        )
+        asks = QuestionnaireStarted(questionnaire="ux", title="UX", items=[])
+        answer = QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=value)
         session.add(seconds, asks, answer)
-        session.add(seconds, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=1))
+        session.add(seconds, QuestionnaireEnded(questionnaire="ux", reason="done", answered=1))
 
     session = ExampleSession(participant="")
     asked(session, 1, 1.0)
@@ -268,7 +271,7 @@ def test_no_text_is_a_formula_to_a_spreadsheet(tmp_path: Path) -> None:
     session.add(0.5, m.TrialStarted(trial=1, condition=_FORMULA)).speech(1, 2).act(
         3, _FORMULA, _FORMULA
     )
-    answer = m.QuestionnaireAnswered(
+    answer = QuestionnaireAnswered(
         questionnaire=_FORMULA, item="+i", question=_FORMULA, text=_FORMULA, answered_us=1
     )
     session.add(4, answer).add(5, m.TrialEnded(trial=1, outcome="done", text=_FORMULA)).end(6)

@@ -20,6 +20,7 @@ from woz_tui.analysis.session_reading import ReportExtras, read_report
 from woz_tui.analysis.study_figures import Studies, StudyFacts
 from woz_tui.cli.report_layout import report_page
 from woz_tui.cli.report_sessions import show_sessions
+from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered, QuestionnaireStarted
 from woz_tui.protocol import messages as m
 
 MARKER = m.Marker(text="x", source="key")
@@ -115,8 +116,8 @@ def test_who_was_there_for_ten_seconds_took_part(seconds: float, counts: bool) -
 
 ITEM = {"name": "liked", "question": "?", "low": 1, "high": 7}
 ANSWERED = (
-    m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[ITEM]),
-    m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=4.0),
+    QuestionnaireStarted(questionnaire="ux", title="UX", items=[ITEM]),
+    QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=4.0),
 )
 SPOT = m.Command(command="c9", verb="say", args={"text": "x"}, driver="robot", source="key")
 TRIAL = (m.TrialStarted(trial=1), m.TrialEnded(trial=1, outcome="aborted"))

@@ -20,6 +20,11 @@ from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.figures import OUTSIDE, TRIALS, SessionFigures
 from woz_tui.analysis.session_reading import NO_BEGINNING, read_report
 from woz_tui.features.questionnaires.figures import asked_in
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.log.sessions import sessions_in
 from woz_tui.protocol import messages as m
 
@@ -80,13 +85,13 @@ def test_an_answer_about_a_practice_trial_does_not_count() -> None:
     session = ExampleSession()
     for number in (0, 1):
         trial(session, 10 + 10 * number, 15 + 10 * number, "done", number)
-        questionnaire_started = m.QuestionnaireStarted(
+        questionnaire_started = QuestionnaireStarted(
             questionnaire="ux", title="UX", items=[], trial=number
         )
-        answer = m.QuestionnaireAnswered(questionnaire="ux", item="a", question="A?", value=1)
+        answer = QuestionnaireAnswered(questionnaire="ux", item="a", question="A?", value=1)
         session.add(16 + 10 * number, questionnaire_started, answer)
         session.add(
-            17 + 10 * number, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=1)
+            17 + 10 * number, QuestionnaireEnded(questionnaire="ux", reason="done", answered=1)
         )
     answers = asked_in(session_figures(session.end(60))).answers
     assert [(each.trial, each.counted) for each in answers] == [(0, False), (1, True)]

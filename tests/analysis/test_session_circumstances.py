@@ -11,6 +11,11 @@ from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.features.profiles.kinds import ProfileChanged
 from woz_tui.features.questionnaires.figures import asked_in
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import DesignView, Questionnaire, StudySettings, WelcomeSettings
@@ -158,11 +163,11 @@ def questionnaire() -> ExampleSession:
     scale = {"name": "liked", "question": "I liked it", "low": 1, "high": 7}
     free = {"name": "why", "question": "Why?", "text": True}
     session = ExampleSession().add(
-        1, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[scale, free])
+        1, QuestionnaireStarted(questionnaire="ux", title="UX", items=[scale, free])
     )
 
     def answer(at: float, item: str, **given: object) -> None:
-        message = m.QuestionnaireAnswered(
+        message = QuestionnaireAnswered(
             questionnaire="ux",
             item=item,
             question="?",
@@ -173,14 +178,12 @@ def questionnaire() -> ExampleSession:
     answer(2, "liked", value=3.0, answered_us=900_000)
     answer(3, "why", text="it was kind")
     answer(4, "liked", value=5.0)
-    session.add(5, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=2))
+    session.add(5, QuestionnaireEnded(questionnaire="ux", reason="done", answered=2))
     session.add(
-        6, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[scale, free], trial=3)
+        6, QuestionnaireStarted(questionnaire="ux", title="UX", items=[scale, free], trial=3)
     )
     answer(7, "liked", skipped=True)
-    return session.add(8, m.QuestionnaireEnded(questionnaire="ux", reason="left", answered=0)).end(
-        9
-    )
+    return session.add(8, QuestionnaireEnded(questionnaire="ux", reason="left", answered=0)).end(9)
 
 
 def test_the_last_answer_of_a_round_counts() -> None:
@@ -198,12 +201,12 @@ def test_the_last_answer_of_a_round_counts() -> None:
 def test_answers_of_a_round_that_was_left_beside_a_whole_one_do_not_count() -> None:
     session = ExampleSession(participant="P01")
     for at, value, reason in ((1, 1.0, "left"), (4, 7.0, "done"), (7, 2.0, "left")):
-        session.add(at, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[]))
-        questionnaire_answered = m.QuestionnaireAnswered(
+        session.add(at, QuestionnaireStarted(questionnaire="ux", title="UX", items=[]))
+        questionnaire_answered = QuestionnaireAnswered(
             questionnaire="ux", item="liked", question="?", value=value
         )
         session.add(at + 1, questionnaire_answered)
-        session.add(at + 2, m.QuestionnaireEnded(questionnaire="ux", reason=reason, answered=1))
+        session.add(at + 2, QuestionnaireEnded(questionnaire="ux", reason=reason, answered=1))
     answers = asked_in(session_figures(session.end(12))).answers
     assert [(each.value, each.counted) for each in answers] == [(1, False), (7, True), (2, False)]
 
@@ -211,13 +214,13 @@ def test_answers_of_a_round_that_was_left_beside_a_whole_one_do_not_count() -> N
 def test_a_round_that_was_left_counts_beside_one_without_answers() -> None:
     session = ExampleSession(participant="P01")
     for at, given in ((1, True), (4, False)):
-        session.add(at, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[]))
+        session.add(at, QuestionnaireStarted(questionnaire="ux", title="UX", items=[]))
         if given:
             session.add(
                 at + 1,
-                m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=5.0),
+                QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=5.0),
             )
-        session.add(at + 2, m.QuestionnaireEnded(questionnaire="ux", reason="left", answered=1))
+        session.add(at + 2, QuestionnaireEnded(questionnaire="ux", reason="left", answered=1))
     assert [each.counted for each in asked_in(session_figures(session.end(12))).answers] == [True]
 
 
@@ -230,8 +233,8 @@ def test_questionnaires_that_were_due_and_not_answered_are_named() -> None:
     session = ExampleSession().add(0, plan(study))
     session.add(1, m.TrialStarted(trial=1)).add(2, m.TrialEnded(trial=1, outcome="done"))
     session.add(3, m.TrialStarted(trial=2)).add(4, m.TrialEnded(trial=2, outcome="done"))
-    answered = m.QuestionnaireEnded(questionnaire="each", reason="done", answered=0)
-    session.add(5, m.QuestionnaireStarted(questionnaire="each", title="EACH", items=[]), answered)
+    answered = QuestionnaireEnded(questionnaire="each", reason="done", answered=0)
+    session.add(5, QuestionnaireStarted(questionnaire="each", title="EACH", items=[]), answered)
     assert asked_in(session_figures(session.end(9))).unanswered == (
         "EACH (after trial 1)",
         "LAST (at the end)",
@@ -240,7 +243,7 @@ def test_questionnaires_that_were_due_and_not_answered_are_named() -> None:
 
 def test_answers_whose_beginning_is_lost_are_kept() -> None:
     session = ExampleSession().add(
-        2, m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=2.0)
+        2, QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=2.0)
     )
     assert [each.value for each in asked_in(session_figures(session.end(3))).answers] == [2.0]
 
@@ -297,10 +300,10 @@ def test_what_the_wizard_had_and_could_see() -> None:
 def test_answers_about_a_trial_count_as_it_does(outcome: str, counted: bool) -> None:
     session = ExampleSession(condition="").add(1, m.TrialStarted(trial=1, condition="warm"))
     session.add(9, m.TrialEnded(trial=1, outcome=outcome))
-    session.add(10, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[], trial=1))
-    answer = m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=5.0)
+    session.add(10, QuestionnaireStarted(questionnaire="ux", title="UX", items=[], trial=1))
+    answer = QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=5.0)
     session.add(11, answer)
-    session.add(12, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=1)).end(20)
+    session.add(12, QuestionnaireEnded(questionnaire="ux", reason="done", answered=1)).end(20)
     (row,) = asked_in(session_figures(session)).answers
     assert row.counted is counted
     grouped = GroupedSessions()
@@ -315,7 +318,7 @@ def test_answers_about_a_condition_count_with_one_of_its_trials() -> None:
         for trial, outcome in enumerate(outcomes, 1):
             session.add(trial * 2, m.TrialStarted(trial=trial, condition="warm"))
             session.add(trial * 2 + 1, m.TrialEnded(trial=trial, outcome=outcome))
-        session.add(10, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[], trial=2))
-        answer = m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=5.0)
+        session.add(10, QuestionnaireStarted(questionnaire="ux", title="UX", items=[], trial=2))
+        answer = QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=5.0)
         (row,) = asked_in(session_figures(session.add(11, answer).end(20))).answers
         assert row.counted is ("done" in outcomes)

@@ -27,10 +27,10 @@ from tests.features.questionnaires.rig import due as due_in
 from tests.features.questionnaires.rig import questionnaires, study_experiment
 from tests.session.rig import SessionRig
 from woz_tui.cli import main
+from woz_tui.features.questionnaires.kinds import AskAnswer
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log
 from woz_tui.log.file_names import name_after
-from woz_tui.protocol.requests import AskAnswer
 from woz_tui.session.participant_identity import SessionIdentity
 
 KEY = RequestOrigin("key", "h", "con1")

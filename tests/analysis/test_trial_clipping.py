@@ -19,6 +19,11 @@ from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.methods_section import paragraphs
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.study_figures import Studies
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol import messages as m
 
 ON = m.EngagementAdopted(settings={"start": "run"})
@@ -40,8 +45,8 @@ def study() -> ExampleSession:
     """
     session = ExampleSession(condition="").add(0, ON).state(15, "Wait", "EngagedWithKnown")
     trial(session, 1, "warm", (10, 20)).act(11).act(19)
-    session.add(21, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[])).act(25)
-    session.add(38, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=0))
+    session.add(21, QuestionnaireStarted(questionnaire="ux", title="UX", items=[])).act(25)
+    session.add(38, QuestionnaireEnded(questionnaire="ux", reason="done", answered=0))
     trial(session, 2, "cold", (40, 43)).act(41).act(42).act(42.5)
     trial(session, 2, "cold", (50, 80)).act(51)
     return session.state(65, "EngagedWithKnown", "PersonDetected").end(90)
@@ -166,9 +171,9 @@ def test_what_is_done_in_the_next_trial_answers_no_cue_of_this_one() -> None:
 def test_an_answer_to_a_questionnaire_in_an_aborted_trial_is_in_no_mean() -> None:
     item = {"name": "liked", "question": "?", "low": 1, "high": 7}
     session = ExampleSession().add(10, m.TrialStarted(trial=1, condition="warm"))
-    session.add(11, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[item]))
+    session.add(11, QuestionnaireStarted(questionnaire="ux", title="UX", items=[item]))
     session.add(
-        12, m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=2.0)
+        12, QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=2.0)
     )
     session.add(14, m.TrialEnded(trial=1, outcome="aborted")).end(20)
     for all_trials, count in ((False, 0), (True, 1)):

@@ -15,6 +15,7 @@ from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.session_reading import SessionReport, read_report
 from woz_tui.cli import report_sessions
 from woz_tui.cli.report_layout import report_page
+from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered, QuestionnaireStarted
 from woz_tui.protocol import messages as m
 
 WORD = re.compile(r"[^\W\d_]{2,}")
@@ -50,10 +51,10 @@ def session() -> SessionReport:
     example.add(296, m.StopConfirmed(confirmed=confirmed, missing=["head"], elapsed_us=SECOND))
     question = "The robot understood all that I said to it"
     item: dict[str, m.Json] = {"name": "got", "question": question, "low": 1, "high": 7}
-    example.add(297, m.QuestionnaireStarted(questionnaire="ux", title="Acceptance", items=[item]))
+    example.add(297, QuestionnaireStarted(questionnaire="ux", title="Acceptance", items=[item]))
     example.add(
         298,
-        m.QuestionnaireAnswered(questionnaire="ux", item="got", question=question, value=6.0),
+        QuestionnaireAnswered(questionnaire="ux", item="got", question=question, value=6.0),
     )
     wanted: dict[str, m.Json] = {"autonomous blinking": False}
     settings_shown = m.SettingsShown(

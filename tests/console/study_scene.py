@@ -8,6 +8,12 @@ from typing import Any
 import msgspec
 
 from tests.console import scenes
+from woz_tui.features.questionnaires.kinds import (
+    AskQuestionnaire,
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import StudySettings
@@ -94,15 +100,15 @@ def trial(number: int = 3, condition: str = "cold", ago: float = 161.0) -> m.Tri
 
 def asks(questionnaire: dict[str, m.Json] = ROBOT, source: str = "wizard") -> r.Request:
     """The request that begins a questionnaire."""
-    return r.AskQuestionnaire(questionnaire=str(questionnaire["name"]), source=source)
+    return AskQuestionnaire(questionnaire=str(questionnaire["name"]), source=source)
 
 
 def questionnaire_started(
     questionnaire: dict[str, m.Json] = ROBOT, t: int = NOW
-) -> m.QuestionnaireStarted:
+) -> QuestionnaireStarted:
     """A questionnaire begins."""
     items: Any = questionnaire["items"]
-    return m.QuestionnaireStarted(
+    return QuestionnaireStarted(
         questionnaire=str(questionnaire["name"]),
         title=str(questionnaire["title"]),
         items=items,
@@ -112,16 +118,16 @@ def questionnaire_started(
 
 def questionnaire_ended(
     name: str = "robot", reason: str = "done", count: int = 4
-) -> m.QuestionnaireEnded:
+) -> QuestionnaireEnded:
     """It is over."""
-    return m.QuestionnaireEnded(questionnaire=name, reason=reason, answered=count, t=NOW)
+    return QuestionnaireEnded(questionnaire=name, reason=reason, answered=count, t=NOW)
 
 
 def questionnaire_answered(
     item: str, value: float | None = None, **more: Any
-) -> m.QuestionnaireAnswered:
+) -> QuestionnaireAnswered:
     """Somebody answers."""
-    return m.QuestionnaireAnswered(
+    return QuestionnaireAnswered(
         questionnaire="robot", item=item, question=item, value=value, t=NOW, **more
     )
 

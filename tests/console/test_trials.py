@@ -14,12 +14,13 @@ from woz_tui.console.screens.trial import TrialDialog, trial_status
 from woz_tui.console.state.study import StudyView
 from woz_tui.features.questionnaires.console import QuestionnaireNotes
 from woz_tui.features.questionnaires.dialog import OfferDialog, QuestionnaireDialog
+from woz_tui.features.questionnaires.kinds import AskQuestionnaire, QuestionnaireAnswered
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.timeline.study_history import StudyState
 
 #: What ending a session may ask for.
-ENDING = r.AskTrial | r.AskQuestionnaire | r.AskEnd
+ENDING = r.AskTrial | AskQuestionnaire | r.AskEnd
 NOW, SECOND = study_scene.NOW, study_scene.SECOND
 
 
@@ -121,8 +122,8 @@ async def test_what_a_trial_demands_is_offered_when_it_is_done() -> None:
         await pilot.settle()
         assert "This visit" in pilot.drawn()
         await pilot.press("enter")
-        asked = pilot.feed.last(r.AskQuestionnaire)
-        assert isinstance(asked, r.AskQuestionnaire)
+        asked = pilot.feed.last(AskQuestionnaire)
+        assert isinstance(asked, AskQuestionnaire)
         assert (asked.questionnaire, asked.what) == ("quick", "begin")
 
 
@@ -225,7 +226,7 @@ async def test_a_letter_that_does_nothing_names_those_that_do() -> None:
 
 
 async def test_what_is_answered_and_not_confirmed_is_called_so() -> None:
-    answer = m.QuestionnaireAnswered(
+    answer = QuestionnaireAnswered(
         questionnaire="quick", item="pleasant", question="?", value=5.0, t=NOW
     )
     async with piloted_console(
@@ -270,7 +271,7 @@ async def test_at_the_participants_terminal_the_wizard_goes_on_playing() -> None
         await pilot.until(lambda: isinstance(pilot.console.dialog, OfferDialog))
         await pilot.settle()
         await pilot.press("down", "enter")
-        assert pilot.feed.last(r.AskQuestionnaire) is not None
+        assert pilot.feed.last(AskQuestionnaire) is not None
         await pilot.tell(study_scene.questionnaire_started())
         assert pilot.console.dialog is None
 
@@ -341,7 +342,7 @@ async def test_leaving_lists_what_is_open_in_one_dialog() -> None:
         assert [type(each) for each in asked] == [r.AskTrial, r.AskEnd]
         assert isinstance(asked[0], r.AskTrial)
         assert asked[0].what == "done"
-        assert pilot.feed.last(r.AskQuestionnaire) is None
+        assert pilot.feed.last(AskQuestionnaire) is None
 
 
 async def test_a_trial_that_is_marked_done_brings_its_questionnaire() -> None:
@@ -358,7 +359,7 @@ async def test_a_trial_that_is_marked_done_brings_its_questionnaire() -> None:
         done, asked = (each for each in pilot.feed.asked if isinstance(each, ENDING))
         assert isinstance(done, r.AskTrial)
         assert done.what == "done"
-        assert isinstance(asked, r.AskQuestionnaire)
+        assert isinstance(asked, AskQuestionnaire)
         assert asked.questionnaire == "quick"
 
 
@@ -476,8 +477,8 @@ async def test_leaving_between_trials_names_what_is_due_and_the_trials_left() ->
         assert "You and the robot has not been answered" in drawn
         assert "1 of 4 trials is still to do" in drawn
         await pilot.press("down", "down", "enter")
-        asked = pilot.feed.last(r.AskQuestionnaire)
-        assert isinstance(asked, r.AskQuestionnaire)
+        asked = pilot.feed.last(AskQuestionnaire)
+        assert isinstance(asked, AskQuestionnaire)
         assert asked.questionnaire == "quick"
 
 

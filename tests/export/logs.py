@@ -13,6 +13,11 @@ from hypothesis import strategies as st
 
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.log_sources import find_sources, read_session
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.system.clock import timestamp
@@ -115,11 +120,11 @@ def visit() -> list[Timed]:
         (7.5, m.StopConfirmed(confirmed=["voice"], missing=[], elapsed_us=500_000)),
         (8, m.StopReleased(source="key")),
         (8.5, m.TrialEnded(trial=1, outcome="done")),
-        (9, m.QuestionnaireStarted(questionnaire="robot", title="?", items=[_ITEM, _ELSE])),
+        (9, QuestionnaireStarted(questionnaire="robot", title="?", items=[_ITEM, _ELSE])),
         (9.5, _answer("friendly", value=5.0)),
         (9.6, _answer("friendly", value=6.0)),
         (9.7, _answer("else", text="-it blinked")),
-        (10, m.QuestionnaireEnded(questionnaire="robot", reason="done", answered=2)),
+        (10, QuestionnaireEnded(questionnaire="robot", reason="done", answered=2)),
         (11, m.ActionRequested(run="r3", action="Dance", panel="Gestures", source="key")),
     ]
 
@@ -128,8 +133,8 @@ _ITEM = {"name": "friendly", "question": "It was friendly.", "low": 1, "high": 7
 _ELSE = {"name": "else", "question": "Else?", "text": True}
 
 
-def _answer(item: str, value: float | None = None, text: str = "") -> m.QuestionnaireAnswered:
-    return m.QuestionnaireAnswered(
+def _answer(item: str, value: float | None = None, text: str = "") -> QuestionnaireAnswered:
+    return QuestionnaireAnswered(
         questionnaire="robot",
         item=item,
         question="It was friendly.",
@@ -204,7 +209,7 @@ MESSAGES: Sequence[st.SearchStrategy[m.Message]] = (
     ),
     st.builds(m.SessionChanged, participant=st.sampled_from(["P07", "P08"])),
     st.builds(
-        m.QuestionnaireAnswered,
+        QuestionnaireAnswered,
         questionnaire=st.just("robot"),
         item=st.sampled_from(["a", "b"]),
         question=WORDS,

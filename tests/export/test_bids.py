@@ -21,6 +21,7 @@ from hypothesis import HealthCheck, given, settings
 from tests.export.export_runs import course_to, export_logs
 from tests.export.logs import Timed, courses, start, visit, write
 from woz_tui.export import bids
+from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered
 from woz_tui.protocol import messages as m
 
 VALIDATOR = resources.files("bids_validator_deno") / "bids-validator.js"
@@ -94,7 +95,7 @@ def test_no_text_is_a_formula_to_a_spreadsheet(tmp_path: Path) -> None:
         (1, m.TrialStarted(trial=1, condition=formula)),
         (2, m.Note(text=f" {formula}")),
         (3, m.Marker(text="@SUM(A1)")),
-        (4, m.QuestionnaireAnswered(questionnaire="q", item="i", question="?", text="+1+cmd")),
+        (4, QuestionnaireAnswered(questionnaire="q", item="i", question="?", text="+1+cmd")),
     ]
     dataset = course_to(tmp_path, "bids", course)
     validated(dataset)

@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from tests.export.logs import Timed, courses, session_of, start, visit
 from woz_tui.export.event_model import ExportEvent, ExportSession
 from woz_tui.features.questionnaires.figures import asked_in
+from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered, QuestionnaireEnded
 from woz_tui.protocol import messages as m
 
 
@@ -254,8 +255,8 @@ def test_a_stop_of_driving_alone_lasts_until_it_is_confirmed(tmp_path: Path) -> 
 def test_a_questionnaire_whose_beginning_is_lost_begins_with_its_first_answer(
     tmp_path: Path,
 ) -> None:
-    answer = m.QuestionnaireAnswered(questionnaire="q", item="a", question="?", value=3.0)
-    end = m.QuestionnaireEnded(questionnaire="q", reason="done", answered=1)
+    answer = QuestionnaireAnswered(questionnaire="q", item="a", question="?", value=3.0)
+    end = QuestionnaireEnded(questionnaire="q", reason="done", answered=1)
     session = session_of(tmp_path, [(0, start()), (1, answer), (2, end)])
     event = only(session, "questionnaire")
     assert (event.label, event.begin, event.end, event.outcome) == (
@@ -296,7 +297,7 @@ def test_nothing_counts_in_a_re_run(tmp_path: Path) -> None:
         (m.Failed(command="c9", reason="hot"), "command.failed"),
         (m.TrialEnded(trial=3, outcome="done"), "trial.ended"),
         (m.StopReleased(source="key"), "stop.released"),
-        (m.QuestionnaireEnded(questionnaire="q", reason="done", answered=1), "questionnaire.ended"),
+        (QuestionnaireEnded(questionnaire="q", reason="done", answered=1), "questionnaire.ended"),
     ],
 )
 def test_an_end_without_a_beginning_is_a_moment(

@@ -20,8 +20,13 @@ from tests.export.test_csv import read_back
 from tests.protocol.examples import messages as examples
 from woz_tui.analysis.session_reading import ReportExtras, read_report
 from woz_tui.export.export_run import FORMATS
-from woz_tui.export.redaction import KEPT_AT, KEPT_IN, PLACEHOLDER, redacted
+from woz_tui.export.redaction import KEPT_IN, PLACEHOLDER, kept_at, redacted
 from woz_tui.features.questionnaires.figures import asked_in
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.envelope import Json
@@ -82,7 +87,7 @@ def test_no_secret_of_any_message_gets_out(tmp_path: Path, to: str) -> None:
 def anna() -> list[Timed]:
     """A session in which everything that has an end ends with a name."""
     item = {"name": "a", "question": "Anna?", "text": True}
-    answer = m.QuestionnaireAnswered(questionnaire="q", item="a", question="Anna?", text="Anna")
+    answer = QuestionnaireAnswered(questionnaire="q", item="a", question="Anna?", text="Anna")
     sent: dict[str, Json] = {"text": "Anna"}
     off: dict[str, Json] = {"run": "off"}
     return [
@@ -100,9 +105,9 @@ def anna() -> list[Timed]:
         (7, m.BreakStarted(text="Anna")),
         (8, m.BreakEnded(text="Anna")),
         (9, m.TrialEnded(trial=1, outcome="done", text="Anna")),
-        (10, m.QuestionnaireStarted(questionnaire="q", title="Anna", items=[item])),
+        (10, QuestionnaireStarted(questionnaire="q", title="Anna", items=[item])),
         (11, answer),
-        (12, m.QuestionnaireEnded(questionnaire="q", reason="Anna", answered=1)),
+        (12, QuestionnaireEnded(questionnaire="q", reason="Anna", answered=1)),
         (13, m.Command(command="c2", verb="run", driver="engagement", args=off, source="key")),
         (14, m.Done(command="c2", driver="engagement", sent=off, latency_us=0, duration_us=0)),
         (15, m.Note(text="Anna")),
@@ -150,7 +155,7 @@ def test_the_copy_of_a_log_has_all_that_is_promised(tmp_path: Path) -> None:
     log = told_secrets.write(tmp_path / "recordings", secrets)
     export_logs(log, "jsonl", tmp_path / "out", redact=True)
     leaked = {path for _, path in secrets.leaked(content(tmp_path / "out"))}
-    fixed = {place for places in KEPT_AT.values() for place in places}  # no secret is such a word
+    fixed = {place for places in kept_at().values() for place in places}  # no secret is such a word
     everywhere = {field for field in promised() - fixed if "." not in field}
     assert everywhere - leaked == {"kind", "format", "sha256"}, "fixed, or computed anew"
 
@@ -253,8 +258,8 @@ def test_figures_are_the_same_without_words(tmp_path: Path) -> None:
         (7, m.AddressedChanged(driver="eyes", face=1, chosen="hand")),
         (8, m.AddressedChanged(driver="eyes", face=None)),
         (9, m.TrialEnded(trial=1, outcome="done")),
-        (9, m.QuestionnaireStarted(questionnaire="ux", title="Anna", items=[])),
-        (9, m.QuestionnaireEnded(questionnaire="ux", reason="declined", answered=0)),
+        (9, QuestionnaireStarted(questionnaire="ux", title="Anna", items=[])),
+        (9, QuestionnaireEnded(questionnaire="ux", reason="declined", answered=0)),
         (9, m.ConsoleLost(console="c1", role="wizard", why="left", part="Body")),
     ]
     log = write(tmp_path / "in", course)

@@ -18,6 +18,7 @@ from woz_tui.config.experiment import Panel
 from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, Verb
 from woz_tui.features.profiles.section import Profile
+from woz_tui.features.questionnaires.kinds import AskAnswer
 from woz_tui.gate.facts import Driving, Facts
 from woz_tui.gate.questions import (
     ClientRequest,
@@ -170,7 +171,7 @@ def test_what_is_not_needed_any_more_is_refused_while_the_session_ends() -> None
     ours = [each for each in REQUESTS if type(each) in r.REQUESTS]
     asked = [(each, why_not(Facts(ended=True), ClientRequest(each, "wizard"))) for each in ours]
     assert {str(each.__struct_config__.tag) for each, refusal in asked if refusal} == {
-        *("assign", "trial", "questionnaire", "answer", "check"),
+        *("assign", "trial", "check"),
         # Others answer these, before the gate is asked.
         *("hello", "about", "beat", "stop", "take-over", "replay"),
     }
@@ -200,7 +201,7 @@ def test_nobody_but_a_person_gives_a_consent() -> None:
         (r.AskPicture(), {"wizard", "watcher"}),
         (r.AskSound(), {"wizard", "watcher"}),
         (r.AskTalk(), {"wizard", "program"}),
-        (r.AskAnswer(questionnaire="q", item="i"), {"wizard", "program", "participant"}),
+        (AskAnswer(questionnaire="q", item="i"), {"wizard", "program", "participant"}),
         (r.AskNote(text="x"), {"wizard", "program", "watcher"}),
     ],
 )

@@ -15,6 +15,7 @@ from tests.features.questionnaires.rig import study_experiment
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.study_rig import had, log, renamed
 from woz_tui.config.experiment import SessionSettings
+from woz_tui.features.questionnaires.kinds import QuestionnaireEnded, QuestionnaireStarted
 from woz_tui.protocol import messages as m
 
 TITLE = "Made by hand"
@@ -75,9 +76,9 @@ def test_a_participant_from_the_proposal_to_the_answers(tmp_path: Path) -> None:
     lines = hosted(tmp_path, scenario)
     (assigned,) = (line for line in lines if isinstance(line, m.ConditionsAssigned))
     assert (assigned.method, assigned.row) == ("latin-square", 1)
-    (started,) = (line for line in lines if isinstance(line, m.QuestionnaireStarted))
+    (started,) = (line for line in lines if isinstance(line, QuestionnaireStarted))
     assert started.source == "participant"
-    (questionnaire_ended,) = (line for line in lines if isinstance(line, m.QuestionnaireEnded))
+    (questionnaire_ended,) = (line for line in lines if isinstance(line, QuestionnaireEnded))
     assert (questionnaire_ended.reason, questionnaire_ended.answered) == ("done", 1)
 
 

@@ -53,40 +53,7 @@ COURSE: tuple[m.Message, ...] = (
     m.TrialEnded(trial=1, outcome="done", text="the phone rang once"),
     m.BreakStarted(text="a glass of water"),
     m.BreakEnded(text="five minutes"),
-    m.QuestionnaireStarted(
-        questionnaire="robot",
-        title="How was the robot?",
-        items=[
-            {
-                "name": "friendly",
-                "question": "The robot was friendly.",
-                "low": 1,
-                "high": 7,
-                "ends": ["not at all", "very much"],
-            },
-            {"name": "else", "question": "Anything else?", "text": True, "optional": True},
-        ],
-        trial=1,
-        source="participant",
-    ),
-    m.QuestionnaireAnswered(
-        questionnaire="robot",
-        item="friendly",
-        question="The robot was friendly.",
-        value=6.0,
-        answered_us=2_300_000,
-    ),
-    m.QuestionnaireAnswered(
-        questionnaire="robot",
-        item="else",
-        question="Anything else?",
-        text="it blinked",
-        answered_us=8_100_000,
-    ),
-    m.QuestionnaireAnswered(
-        questionnaire="robot", item="age", question="How old are you?", skipped=True
-    ),
-    m.QuestionnaireEnded(questionnaire="robot", reason="done", answered=2),
+    *feature_examples("questionnaires", "MESSAGES"),
     *feature_examples("training", "COURSE"),
     m.RerunStarted(
         original="2026-02-27T10-00-00_P03_S03.jsonl",

@@ -20,6 +20,7 @@ from tests.replay.logs import (
     story,
 )
 from woz_tui.features.delay.kinds import ActionHeld
+from woz_tui.features.questionnaires.kinds import QuestionnaireEnded, QuestionnaireStarted
 from woz_tui.features.scripts.kinds import ScriptMoved
 from woz_tui.log.log_reader import LogLine
 from woz_tui.protocol import codec
@@ -73,8 +74,8 @@ _SINGLE: st.SearchStrategy[m.Message] = st.one_of(
         order=st.just(["warm", "cold"]),
         method=st.just("latin-square"),
     ),
-    st.just(m.QuestionnaireStarted(questionnaire="robot", title="Robot", items=[])),
-    st.just(m.QuestionnaireEnded(questionnaire="robot", reason="done", answered=0)),
+    st.just(QuestionnaireStarted(questionnaire="robot", title="Robot", items=[])),
+    st.just(QuestionnaireEnded(questionnaire="robot", reason="done", answered=0)),
     st.builds(m.reading, st.sampled_from(["distance", "loudness"]), st.floats(0, 4)),
 )
 

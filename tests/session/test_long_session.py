@@ -18,11 +18,15 @@ from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.session_reading import read_report
 from woz_tui.features.delay.kinds import ActionHeld
 from woz_tui.features.delay.section import SHAPING, ResponseShaping
+from woz_tui.features.questionnaires.kinds import (
+    AskAnswer,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
-from woz_tui.protocol.requests import AskAnswer
 from woz_tui.session.participant_identity import SessionIdentity
 
 HALF_AN_HOUR = 1800.0
@@ -131,7 +135,7 @@ def test_whatever_the_wizard_does_everything_has_its_end(tmp_path: Path, seed: i
     for begins, ends in (
         (m.TrialStarted, m.TrialEnded),
         (m.BreakStarted, m.BreakEnded),
-        (m.QuestionnaireStarted, m.QuestionnaireEnded),
+        (QuestionnaireStarted, QuestionnaireEnded),
     ):
         course = [isinstance(each, begins) for each in lines if isinstance(each, (begins, ends))]
         assert course == [True, False] * (len(course) // 2)

@@ -15,6 +15,11 @@ from woz_tui.config.engagement_words import STATES
 from woz_tui.features.delay.kinds import ActionHeld, ShapingChanged
 from woz_tui.features.phases.kinds import PhaseChanged
 from woz_tui.features.profiles.kinds import ProfileChanged
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
 
@@ -249,16 +254,16 @@ class Recording:
         if self._asked:
             name, self._asked = self._asked, ""
             reason = self._chance.choice(["done", "declined", "left"])
-            self._say(m.QuestionnaireEnded(questionnaire=name, reason=reason, answered=1))
+            self._say(QuestionnaireEnded(questionnaire=name, reason=reason, answered=1))
         else:
             self._asked = self._chance.choice(["each", "ux", "last", "whenever"])
             items: list[dict[str, Any]] = [{"name": "a", "low": 1, "high": 7}, {"name": "b"}]
-            self._say(m.QuestionnaireStarted(questionnaire=self._asked, title="?", items=items))
+            self._say(QuestionnaireStarted(questionnaire=self._asked, title="?", items=items))
 
     def answer(self) -> None:
         if self._asked:
             item = self._chance.choice("ab")
-            answer = m.QuestionnaireAnswered(
+            answer = QuestionnaireAnswered(
                 questionnaire=self._asked, item=item, question="?", value=3.0
             )
             self._say(answer)

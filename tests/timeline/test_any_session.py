@@ -19,6 +19,7 @@ from woz_tui.features.delay.history import DelayHistory
 from woz_tui.features.phases.history import PhaseHistory
 from woz_tui.features.profiles.history import ProfileHistory
 from woz_tui.features.questionnaires.history import QuestionnaireHistory
+from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered, QuestionnaireEnded
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.kinds import message_kinds
@@ -166,7 +167,7 @@ def test_a_session_that_was_recorded_has_no_end_without_a_beginning(
     messages: list[m.Message],
 ) -> None:
     ends = (
-        *(m.ActionEnd, m.TrialEnded, m.BreakEnded, m.QuestionnaireEnded, m.QuestionnaireAnswered),
+        *(m.ActionEnd, m.TrialEnded, m.BreakEnded, QuestionnaireEnded, QuestionnaireAnswered),
         *(m.StopConfirmed, m.StopReleased, m.Dispatched, m.Progress),
     )
     timeline = timeline_of(messages)

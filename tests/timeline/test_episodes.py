@@ -9,7 +9,16 @@ import pytest
 from tests.timeline.random_sessions import SECOND, plan, start, timed
 from woz_tui.features.profiles.history import ProfileEpisode
 from woz_tui.features.profiles.kinds import ProfileChanged
-from woz_tui.features.questionnaires.history import DueQuestionnaire, QuestionnaireHistory
+from woz_tui.features.questionnaires.history import (
+    DueQuestionnaire,
+    QuestionnaireEpisode,
+    QuestionnaireHistory,
+)
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
     ActionEpisode,
@@ -22,7 +31,6 @@ from woz_tui.timeline.episodes import (
     ModelOffEpisode,
     ModelStateEpisode,
     MomentEpisode,
-    QuestionnaireEpisode,
     RestrictionEpisode,
     SettingEpisode,
     StopEpisode,
@@ -142,7 +150,7 @@ def test_an_end_without_a_beginning_is_a_moment() -> None:
         m.TrialEnded(trial=3, outcome="done"),
         m.BreakEnded(),
         m.StopReleased(source="key"),
-        m.QuestionnaireEnded(questionnaire="q", reason="done", answered=1),
+        QuestionnaireEnded(questionnaire="q", reason="done", answered=1),
         m.LaneRecovered(driver="head", lane="body"),
     ]
     moments = of(MomentEpisode, *((1, end) for end in ends))
@@ -335,16 +343,16 @@ def test_profiles_and_restrictions_last_until_they_change() -> None:
 # -- questionnaires -------------------------------------------------------------------------------
 
 
-def answer(item: str, value: float) -> m.QuestionnaireAnswered:
-    return m.QuestionnaireAnswered(questionnaire="each", item=item, question="?", value=value)
+def answer(item: str, value: float) -> QuestionnaireAnswered:
+    return QuestionnaireAnswered(questionnaire="each", item=item, question="?", value=value)
 
 
-def questionnaire_started(name: str) -> m.QuestionnaireStarted:
-    return m.QuestionnaireStarted(questionnaire=name, title="", items=[])
+def questionnaire_started(name: str) -> QuestionnaireStarted:
+    return QuestionnaireStarted(questionnaire=name, title="", items=[])
 
 
-def questionnaire_ended(name: str, reason: str = "done") -> m.QuestionnaireEnded:
-    return m.QuestionnaireEnded(questionnaire=name, reason=reason, answered=0)
+def questionnaire_ended(name: str, reason: str = "done") -> QuestionnaireEnded:
+    return QuestionnaireEnded(questionnaire=name, reason=reason, answered=0)
 
 
 def test_a_questionnaire_keeps_the_last_answer_to_each_item() -> None:

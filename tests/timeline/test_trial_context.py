@@ -6,6 +6,7 @@ from typing import TypeVar
 
 from tests.timeline.random_sessions import SECOND, plan, start, timed
 from woz_tui.features.questionnaires.history import QuestionnaireHistory
+from woz_tui.features.questionnaires.kinds import QuestionnaireEnded, QuestionnaireStarted
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
     BreakEpisode,
@@ -196,8 +197,8 @@ def test_who_comes_back_has_been_asked_nothing_yet() -> None:
         timed(
             (0, start("P01")),
             (0, plan()),
-            (1, m.QuestionnaireStarted(questionnaire="ux", title="", items=[])),
-            (2, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=1)),
+            (1, QuestionnaireStarted(questionnaire="ux", title="", items=[])),
+            (2, QuestionnaireEnded(questionnaire="ux", reason="done", answered=1)),
             (3, m.SessionChanged(participant="P02")),
             (4, m.SessionChanged(participant="P01")),
         )

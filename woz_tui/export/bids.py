@@ -24,6 +24,7 @@ from woz_tui.analysis.tables import EVENTS, Cell, Column, TableDefinition
 from woz_tui.analysis.text_format import counted
 from woz_tui.export.event_model import ExportEvent, ExportSession, JoinedRecording, letters
 from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
+from woz_tui.export.feature_export import exported_episodes
 from woz_tui.export.log_sources import LogSource
 from woz_tui.export.output_folder import OutputFolder
 from woz_tui.feature import pieces
@@ -275,13 +276,13 @@ _KINDS = {
     "phase": "a phase of the experiment",
     "break": "a break between trials",
     "stop": "the emergency stop, from press to release; of driving alone, to its confirmation",
-    "questionnaire": "a questionnaire was given to the participant",
     "difference": "a robot's setting differed from the requested value; the text has both values",
     "conflict": "settings of a robot that conflicted with each other, or with the wizard's actions",
     "marker": "a moment that the wizard marked",
     "code": "what a coder (the source) set while watching a replay: the label is its tier",
     "note": "a sentence that the wizard typed",
     "mistake": "the wizard labelled an action or a single command a mistake",
+    **{how.kind: how.meaning for how in exported_episodes().values()},
 }
 _MOMENTS = {
     str(kind.__struct_config__.tag): (kind.__doc__ or "").strip().partition("\n\n")[0]

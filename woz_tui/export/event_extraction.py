@@ -26,7 +26,11 @@ from woz_tui.export.event_model import (
     InContext,
     SoundClip,
 )
-from woz_tui.export.feature_export import labels_and_texts, parts_of_events
+from woz_tui.export.feature_export import (
+    exported_episodes,
+    labels_and_texts,
+    parts_of_events,
+)
 from woz_tui.export.redaction import PLACEHOLDER
 from woz_tui.log.coding_file import MARKERS, Codings
 from woz_tui.log.file_names import media_folder
@@ -42,7 +46,6 @@ from woz_tui.timeline.episodes import (
     EpisodeOutcome,
     ModelStateEpisode,
     MomentEpisode,
-    QuestionnaireEpisode,
     SettingEpisode,
     StageEpisode,
     StopEpisode,
@@ -128,7 +131,6 @@ _PARTS = (
     *(m.ActionRequested, m.ActionEnd, m.Command, m.Ack),
     *(m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded),
     *(m.StopPressed, m.StopConfirmed, m.StopReleased),
-    *(m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded),
     *(m.EngagementChanged, m.SpeechStarted, m.SpeechEnded, m.SpeechText),
 )
 
@@ -191,7 +193,7 @@ class EventExtractor:
                 event.begin = at
         for episode in timeline.episodes:
             make = _EVENTS.get(type(episode))
-            made = make(self, episode) if make is not None else None
+            made = make(self, episode) if make is not None else self._of_feature(episode)
             if made is not None:  # else its lines are events of their own
                 self._belongs(made, episode.context)
                 session.events.append(made)
@@ -258,11 +260,12 @@ class EventExtractor:
             event.details["released_by"] = stop.released.source
         return event
 
-    def _questionnaire(self, questionnaire: QuestionnaireEpisode) -> ExportEvent:
-        event = self._begun(
-            questionnaire, "questionnaire", questionnaire.started, "questionnaire", "items"
-        )
-        event.outcome = self._text(questionnaire.ended, "reason") or str(questionnaire.outcome)
+    def _of_feature(self, episode: Episode) -> ExportEvent | None:
+        how = exported_episodes().get(type(episode))
+        if how is None:
+            return None
+        event = self._begun(episode, how.kind, getattr(episode, how.first), *how.used)
+        event.outcome = self._text(getattr(episode, how.last), how.outcome) or event.outcome
         return event
 
     def _state(self, state: ModelStateEpisode) -> ExportEvent:
@@ -369,7 +372,6 @@ _EVENTS: Mapping[type[Episode], Callable[[EventExtractor, Any], ExportEvent | No
     StageEpisode: EventExtractor._phase,
     BreakEpisode: EventExtractor._break,
     StopEpisode: EventExtractor._stop,
-    QuestionnaireEpisode: EventExtractor._questionnaire,
     ModelStateEpisode: EventExtractor._state,
     UtteranceEpisode: EventExtractor._speech,
     MomentEpisode: EventExtractor._stray,

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from functools import cache
 from typing import Any
 
 from woz_tui.config.engagement_words import RUNS
-from woz_tui.config.study_words import CUES, WHENS
-from woz_tui.export.feature_export import kept_fields
+from woz_tui.config.study_words import CUES
+from woz_tui.export.feature_export import kept_fields, kept_places
 from woz_tui.protocol.messages import Json
 
 PLACEHOLDER = "[redacted]"
@@ -32,7 +33,7 @@ KEPT = frozenset(
         *("evidence", "unable"),
         *("halted", "now", "outcome", "emotion", "rows", "waiting", "lit", "trail", "uses", "next"),
         *("method", "order", "cues", "sort", "hidden", "blurred", "what", "without"),
-        *("questionnaire", "item", "tells", "sees"),
+        *("tells", "sees"),
         *("script", "conditions", "keyboard", "drivers", "variables"),
     }
 )
@@ -54,7 +55,7 @@ KEPT_INSIDE: Mapping[str, frozenset[str]] = {
 }
 #: A lone word or a colour, as a robot's settings; its address is none.
 WORD = re.compile(r"[A-Za-z]{1,20}|#[0-9a-f]{6}|", re.ASCII)
-#: Whatever the experiment file says there: names of questionnaires, verbs, titles of panels.
+#: Whatever the experiment file says there: verbs, titles of panels.
 LABEL = re.compile(r".*", re.DOTALL)
 
 
@@ -69,11 +70,8 @@ KEPT_AT: Mapping[str, Mapping[str, re.Pattern[str]]] = {
     "command.done": {"sent.run": _one_of(*RUNS)},
     "console.lost": {"why": _one_of("left", "closed", "silent", "taken over")},
     "engagement.settings": {"settings.start": _one_of(*RUNS)},
-    "questionnaire.ended": {"reason": _one_of("done", "declined", "left")},
     "session.plan": {
         **{f"settings.study.answers.{cue}": LABEL for cue in CUES},
-        "settings.study.questionnaires.name": LABEL,
-        "settings.study.questionnaires.when": _one_of(*WHENS),
     },
     "settings.shown": {
         f"{field}.{name}": WORD
@@ -81,6 +79,17 @@ KEPT_AT: Mapping[str, Mapping[str, re.Pattern[str]]] = {
         for name in ("engagement", "eyes", "state")
     },
 }
+
+
+@cache
+def kept_at() -> dict[str, Mapping[str, re.Pattern[str]]]:
+    """`KEPT_AT`, with what features keep."""
+    found: dict[str, Mapping[str, re.Pattern[str]]] = dict(KEPT_AT)
+    for kind, places in kept_places().items():
+        found[kind] = {**found.get(kind, {}), **places}
+    return found
+
+
 #: Objects that stay as they are: names of drivers and of what they can do.
 VOCABULARY = frozenset({"verbs"})
 #: Fields with a visitor's code. Visitors can get a name instead, so only given codes stay.
@@ -97,7 +106,7 @@ def redacted(fields: Mapping[str, Any]) -> dict[str, Any]:
         fields = {**fields, "clock": {n: v for n, v in clock.items() if n != "monotonic_us"}}
     kind_name = kind if isinstance(kind, str) else ""
     kept = KEPT | KEPT_IN.get(kind_name, frozenset()) | kept_fields().get(kind_name, frozenset())
-    places = KEPT_AT.get(kind_name, {})
+    places = kept_at().get(kind_name, {})
     return {
         _name(name): _placed(value, name, places)
         if name in places or _leads(name, places)

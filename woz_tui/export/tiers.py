@@ -10,7 +10,7 @@ from itertools import chain
 import msgspec
 
 from woz_tui.export.event_model import ExportEvent, ExportSession
-from woz_tui.export.feature_export import exports, settings_kinds
+from woz_tui.export.feature_export import exported_episodes, exports, settings_kinds
 from woz_tui.system.text_cleaning import one_line
 
 
@@ -66,7 +66,7 @@ BEFORE: _Sorts = (
 )
 AFTER: _Sorts = (
     ("stops", False, _of("stop")),
-    ("questionnaires", False, _of("questionnaire")),
+    *((how.tier, False, _of(how.kind)) for how in exported_episodes().values()),
     ("markers", True, _of("marker")),
     ("notes", True, _of("note")),
     ("mistakes", True, _of("mistake")),
@@ -122,7 +122,7 @@ def _words(event: ExportEvent) -> str:
             parts = [event.text]
         case "engagement" | "phase":
             parts = [event.label]
-        case "action" | "questionnaire":
+        case "action":
             parts = [event.label, _marks(event)]
         case "trial":
             parts = [event.label, _marks(event), event.text]
@@ -134,6 +134,8 @@ def _words(event: ExportEvent) -> str:
             parts = [event.label, f"({event.source})"]
         case "mistake":
             parts = [event.label, event.text]
+        case kind if any(how.kind == kind for how in exported_episodes().values()):
+            parts = [event.label, _marks(event)]
         case kind if kind in _SETTINGS | settings_kinds():
             more = "" if event.label or event.text else _plainly(event)
             parts = [kind, event.label, event.text, more]

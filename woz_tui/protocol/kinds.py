@@ -23,6 +23,7 @@ class FeatureKinds:
     `open`: those of its messages that tell nothing of the condition, the visitor or what somebody
     said. Any other reaches those alone who may know everything, unless it is a `RestrictedMessage`,
     which says itself what it tells. `unlisted`: those of which no list of events has a line.
+    `for_participants`: those that a participant's terminal gets.
     """
 
     messages: tuple[type[Message], ...] = ()
@@ -30,6 +31,7 @@ class FeatureKinds:
     answers: tuple[type[Answer], ...] = ()
     open: tuple[type[Message], ...] = ()
     unlisted: tuple[type[Message], ...] = ()
+    for_participants: tuple[type[Message], ...] = ()
 
 
 @cache
@@ -92,6 +94,13 @@ def unlisted_kinds() -> tuple[type[Message], ...]:
     """Messages of features of which no list of events has a line."""
     of_features = _of_features()
     return tuple(kind for each in of_features for kind in each.unlisted)
+
+
+@cache
+def participant_kinds() -> tuple[type[Message], ...]:
+    """Messages of features that a participant's terminal gets."""
+    of_features = _of_features()
+    return tuple(kind for each in of_features for kind in each.for_participants)
 
 
 @cache

@@ -311,25 +311,6 @@ class AskTrial(Request, frozen=True, kw_only=True, tag="trial"):
     text: str = ""
 
 
-class AskQuestionnaire(Request, frozen=True, kw_only=True, tag="questionnaire"):
-    """Begin a questionnaire of the experiment file, or end the one that is under way."""
-
-    questionnaire: str
-    what: Literal["begin", "done", "declined", "left"] = "begin"
-    source: str = "wizard"
-
-
-class AskAnswer(Request, frozen=True, kw_only=True, tag="answer"):
-    """Answer one item of the questionnaire that is under way, or leave it out."""
-
-    questionnaire: str
-    item: str
-    value: float | None = None
-    text: str = ""
-    answered_us: int = -1
-    skipped: bool = False
-
-
 class AskCheck(Request, frozen=True, kw_only=True, tag="check"):
     """Tick an item of the preflight list that only a human can see to, or take the tick away."""
 
@@ -418,8 +399,6 @@ REQUESTS: tuple[type[Request], ...] = (
     AskProposal,
     AskAssign,
     AskTrial,
-    AskQuestionnaire,
-    AskAnswer,
     AskCheck,
     AskReplay,
     AskPicture,

@@ -1,12 +1,10 @@
-"""The experiment around the robot: who gets which condition, trials, questionnaires.
+"""The experiment around the robot: who gets which condition, trials.
 
 And what makes a log readable by itself: the experiment's files and what consoles were shown.
 All others import them from `woz_tui.protocol.messages`.
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 import msgspec
 
@@ -116,41 +114,6 @@ class PreflightChecked(Message, frozen=True, kw_only=True, tag="preflight.checke
     source: str
 
 
-class QuestionnaireStarted(Message, frozen=True, kw_only=True, tag="questionnaire.started"):
-    """A questionnaire is put to the participant. `items` are as in the experiment file: `name`,
-    `question`, and for a scale `low`, `high` and what its ends are called.
-    """
-
-    questionnaire: str
-    title: str
-    items: list[dict[str, Any]]
-    trial: int = -1
-    source: str = msgspec.field(default_factory=lambda: "wizard")
-
-
-class QuestionnaireAnswered(Message, frozen=True, kw_only=True, tag="questionnaire.answered"):
-    """One answer: a number on the item's scale, or a text. A later answer to the same item of the
-    same round replaces it. `answered_us`: from the item's being shown. `skipped`: left out on
-    purpose.
-    """
-
-    questionnaire: str
-    item: str
-    question: str
-    value: float | None = None
-    text: str = ""
-    answered_us: int = -1
-    skipped: bool = False
-
-
-class QuestionnaireEnded(Message, frozen=True, kw_only=True, tag="questionnaire.ended"):
-    """It is over: `reason` is done, declined (the participant did not want to) or left."""
-
-    questionnaire: str
-    reason: str
-    answered: int
-
-
 # -- what shapes a wizard's answers ---------------------------------------------------------------
 
 
@@ -226,9 +189,6 @@ STUDY_MESSAGES: tuple[type[Message], ...] = (
     BreakStarted,
     BreakEnded,
     PreflightChecked,
-    QuestionnaireStarted,
-    QuestionnaireAnswered,
-    QuestionnaireEnded,
     ActionScheduled,
     PerceptionChanged,
     RerunStarted,

@@ -38,9 +38,6 @@ _EVENTS = (
     m.TrialEnded,
     m.BreakStarted,
     m.BreakEnded,
-    m.QuestionnaireStarted,
-    m.QuestionnaireAnswered,
-    m.QuestionnaireEnded,
 )
 
 
@@ -86,8 +83,6 @@ def bookmark_of(message: object, t: int) -> Bookmark | None:
             return Bookmark(t, SET, f"trial {trial}")
         case m.BreakStarted(text=text):
             return Bookmark(t, "break", f"break {text}".rstrip())
-        case m.QuestionnaireStarted(questionnaire=name):
-            return Bookmark(t, "questionnaire", f"questionnaire {name}")
         case m.DriverLost(driver=driver):
             return Bookmark(t, "lost", f"{driver} lost")
         case m.SessionEnd(reason=reason):

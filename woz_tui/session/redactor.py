@@ -4,7 +4,8 @@ Nothing here reads words to find out what they tell. Who makes a message says it
 message with words, `unfilled` of a command, `telling` of a reload.
 
 A wizard and a watcher are blind to the condition where the experiment says so, and do not see what
-`perception` keeps from them. A participant gets what questionnaires need. A program sees all.
+`perception` keeps from them. A participant gets the course of the study, and what features name.
+A program sees all.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from woz_tui.feature import features, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol import welcome as s
-from woz_tui.protocol.kinds import FeatureKinds, closed_kinds
+from woz_tui.protocol.kinds import FeatureKinds, closed_kinds, participant_kinds
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.sample_values import ZONES
 
@@ -66,11 +67,10 @@ NAMES = frozenset(
 )
 #: What the ear finds out.
 _HEARD = ("transcript", "loudness", "presence", "identity")
-#: What a participant's terminal gets of the stream.
+#: What a participant's terminal gets of the stream, beside what features name.
 _FOR_PARTICIPANT = (
     *(m.SessionStart, m.SessionChanged, m.SessionEnd, m.ConditionsAssigned),
     *(m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded),
-    *(m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded),
     *(m.StopPressed, m.StopConfirmed, m.StopReleased),
 )
 
@@ -518,7 +518,7 @@ class CoderRedactor(Redactor):
 
 
 class ParticipantRedactor(Redactor):
-    """A participant's view: questionnaires, when they are due, the stop; no condition by name."""
+    """A participant's view: trials, what features name, the stop; no condition by name."""
 
     READS = (m.SessionPlan,)
 
@@ -528,7 +528,7 @@ class ParticipantRedactor(Redactor):
 
     def message(self, message: m.Message) -> m.Message | None:
         """A message of the session; None: nothing of it."""
-        if not isinstance(message, _FOR_PARTICIPANT):
+        if not isinstance(message, (*_FOR_PARTICIPANT, *participant_kinds())):
             return None
         match message:
             case m.SessionStart() | m.TrialStarted():
@@ -572,7 +572,7 @@ class ParticipantRedactor(Redactor):
         )
 
     def reply(self, reply: r.Reply, instead: Mapping[str, str] | None = None) -> r.Reply:
-        """Those that a participant gets are about questionnaires alone."""
+        """Those that a participant gets are about what was asked there alone."""
         return reply
 
 

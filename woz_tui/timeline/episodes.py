@@ -334,42 +334,6 @@ class BreakEpisode(Episode, frozen=True, kw_only=True):
     ended: m.BreakEnded | None = None
 
 
-class QuestionnaireEpisode(Episode, frozen=True, kw_only=True):
-    """One round of a questionnaire; `started` is None if that line is lost.
-
-    `answers` has the last one to each item, in the order in which items were answered first.
-    """
-
-    kind = "questionnaire"
-    name: str
-    started: m.QuestionnaireStarted | None = None
-    answers: Mapping[str, m.QuestionnaireAnswered] = {}
-    ended: m.QuestionnaireEnded | None = None
-
-    @property
-    def label(self) -> str:
-        """Its name."""
-        return self.name
-
-    @property
-    def trial(self) -> int | None:
-        """The trial that it is about: as its first line says, or else the one in which it began."""
-        if self.started is not None and self.started.trial >= 0:
-            return self.started.trial
-        return self.context.trial
-
-    @property
-    def source(self) -> str:
-        """Who put it: wizard or participant."""
-        return self.started.source if self.started else ""
-
-    @property
-    def lines(self) -> Iterable[m.Message]:
-        """With the answers."""
-        both = (self.started, *self.answers.values(), self.ended)
-        return (line for line in both if line is not None)
-
-
 class RerunEpisode(Episode, frozen=True, kw_only=True):
     """A time in which the commands of another log were run again."""
 

@@ -10,7 +10,7 @@ from typing import Any, BinaryIO
 import msgspec
 
 from woz_tui import __version__
-from woz_tui.export.feature_export import id_fields, kinds_of_session
+from woz_tui.export.feature_export import begun_subjects, id_fields, kinds_of_session
 from woz_tui.log.damage import Damage
 from woz_tui.log.line_reader import LogLine
 from woz_tui.protocol import codec
@@ -42,9 +42,7 @@ OF_RECORDINGS = frozenset({"speech.ended"})
 #: Fields whose codes are none of participants.
 _OTHER_CODES = frozenset({"kind", "session", "wizard", "run", "command", "console", "sha256"})
 #: What begins something that ends with another line, without an id: it is whose it began with.
-_BEGINS = frozenset(
-    {"trial.started", "break.started", "questionnaire.started", "stop.pressed", "speech.started"}
-)
+_BEGINS = frozenset({"trial.started", "break.started", "stop.pressed", "speech.started"})
 
 
 @dataclass
@@ -182,7 +180,8 @@ class LogCut:
         if line.kind in OF_THE_SESSION | kinds_of_session():
             return False
         keys = list(_keys(line))
-        if line.kind in _BEGINS:
+        subject, _, what = line.kind.partition(".")
+        if line.kind in _BEGINS or (what == "started" and subject in begun_subjects()):
             self._owners.update(dict.fromkeys(keys, now))
             return now
         theirs = next((self._owners[key] for key in keys if key in self._owners), now)
@@ -277,7 +276,7 @@ def _keys(line: LogLine) -> Iterator[tuple[object, ...]]:
     subject = line.kind.partition(".")[0]
     if subject == "speech":
         yield subject, str(fields.get("driver")), str(fields.get("segment"))
-    elif subject in ("trial", "break", "questionnaire", "stop"):
+    elif subject in ("trial", "break", "stop", *begun_subjects()):
         yield (subject,)
 
 

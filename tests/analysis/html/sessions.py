@@ -9,6 +9,11 @@ from pathlib import Path
 import msgspec
 
 from woz_tui.analysis.session_reading import ReportExtras, SessionReport, read_report
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 
@@ -208,11 +213,11 @@ def _ask(builder: SessionLogBuilder, at: float) -> None:
     scale = {"name": "friendly", "question": "It was friendly.", "low": 1, "high": 7}
     builder.tell(
         at,
-        m.QuestionnaireStarted(questionnaire="robot", title="The robot", items=[scale], trial=2),
-        m.QuestionnaireAnswered(
+        QuestionnaireStarted(questionnaire="robot", title="The robot", items=[scale], trial=2),
+        QuestionnaireAnswered(
             questionnaire="robot", item="friendly", question="It was friendly.", value=6.0
         ),
-        m.QuestionnaireEnded(questionnaire="robot", reason="done", answered=1),
+        QuestionnaireEnded(questionnaire="robot", reason="done", answered=1),
     )
 
 
@@ -231,9 +236,9 @@ def hostile() -> SessionLogBuilder:
         item = {"name": text, "question": text, "text": True}
         builder.tell(
             at,
-            m.QuestionnaireStarted(questionnaire=text, title=text, items=[item]),
-            m.QuestionnaireAnswered(questionnaire=text, item=text, question=text, text=text),
-            m.QuestionnaireEnded(questionnaire=text, reason="done", answered=1),
+            QuestionnaireStarted(questionnaire=text, title=text, items=[item]),
+            QuestionnaireAnswered(questionnaire=text, item=text, question=text, text=text),
+            QuestionnaireEnded(questionnaire=text, reason="done", answered=1),
             m.TrialStarted(trial=place, condition=text),
             m.PerceptionChanged(hidden=[text], blurred=[text]),
         )

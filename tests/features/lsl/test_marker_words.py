@@ -8,6 +8,7 @@ from msgspec.structs import replace
 
 from woz_tui.features.lsl.marker_words import MarkerWords
 from woz_tui.features.phases.kinds import PhaseChanged
+from woz_tui.features.questionnaires.kinds import QuestionnaireEnded, QuestionnaireStarted
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.description import ArgumentDescription, Description, VerbDescription
 
@@ -107,8 +108,8 @@ def test_the_study_has_words() -> None:
     lines = [
         m.TrialStarted(trial=2, condition="warm"),
         PhaseChanged(phase="Opening talk"),
-        m.QuestionnaireStarted(questionnaire="robot/ux", title="", items=[]),
-        m.QuestionnaireEnded(questionnaire="robot/ux", reason="declined", answered=0),
+        QuestionnaireStarted(questionnaire="robot/ux", title="", items=[]),
+        QuestionnaireEnded(questionnaire="robot/ux", reason="declined", answered=0),
         m.TrialEnded(trial=2, outcome="aborted", text="the head fell asleep"),
         m.SessionEnd(reason="wizard"),
     ]

@@ -8,6 +8,7 @@ import pytest
 
 from tests.protocol.examples import messages
 from woz_tui.features.lsl.shared_lines import SharedLines
+from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered
 from woz_tui.protocol import messages as m
 
 SAID = m.Command(
@@ -45,7 +46,7 @@ def test_a_line_keeps_its_number_and_its_time() -> None:
             "conditions",
         ),
         (
-            m.QuestionnaireAnswered(questionnaire="q", item="i", question="?", text="Anna"),
+            QuestionnaireAnswered(questionnaire="q", item="i", question="?", text="Anna"),
             "Anna",
             "texts",
         ),

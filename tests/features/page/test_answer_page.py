@@ -15,6 +15,7 @@ from tests.features.page.rig import PageRig, WebBrowser, pages
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.study_rig import STUDY, study_experiment
 from woz_tui.features.page.item_forms import ITEM_FORMS, UnreadAnswerError, answer_of, kind_of
+from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered, QuestionnaireEnded
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import ENGLISH, Questionnaire, QuestionnaireItem
@@ -61,7 +62,7 @@ class Stage:
         return [
             (line.item, line.value, line.text, line.skipped)
             for line in self.host.lines
-            if isinstance(line, m.QuestionnaireAnswered)
+            if isinstance(line, QuestionnaireAnswered)
         ]
 
 
@@ -113,7 +114,7 @@ async def test_from_waiting_to_thank_you(tmp_path: Path) -> None:
             ("load", 70.0, "", False),
             ("else", None, "", True),
         ]
-        ended = [line for line in stage.host.lines if isinstance(line, m.QuestionnaireEnded)]
+        ended = [line for line in stage.host.lines if isinstance(line, QuestionnaireEnded)]
         assert [(line.reason, line.answered) for line in ended] == [("done", 2)]
 
 
@@ -174,7 +175,7 @@ async def test_who_does_not_want_to_is_asked_once_more(tmp_path: Path) -> None:
         assert "Stop here and leave the rest unanswered?" in page
         await send(browser, page, what="declined")
         await shows(browser, "Thank you!")
-        ended = [line for line in stage.host.lines if isinstance(line, m.QuestionnaireEnded)]
+        ended = [line for line in stage.host.lines if isinstance(line, QuestionnaireEnded)]
         assert [line.reason for line in ended] == ["declined"]
 
 
@@ -213,7 +214,7 @@ async def test_how_long_it_took_is_by_the_clock_of_the_page(
         assert before is not None
         assert int(before[1]) >= shown_s * 1000
         await send(browser, page, what="answer", value="4", **({"took": took} if took else {}))
-        line = next(line for line in stage.host.lines if isinstance(line, m.QuestionnaireAnswered))
+        line = next(line for line in stage.host.lines if isinstance(line, QuestionnaireAnswered))
         assert told <= line.answered_us <= told + 5_000_000 * (line.answered_us != told)
 
 

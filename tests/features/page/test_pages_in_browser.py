@@ -18,6 +18,7 @@ from tests.features.page.rig import PageRig, pages
 from tests.host.rig import served_session
 from tests.session.study_rig import STUDY, study_experiment
 from woz_tui.features.page.visitors import PageRole
+from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
@@ -195,7 +196,7 @@ async def test_a_participant_answers_on_a_phone_and_loads_the_page_anew(
             assert await aside(opened.run, wide) <= 360
             await aside(lambda: opened.one("button[value=done]").click())
             await aside(opened.until, lambda: opened.one(".said").text == "Thank you!")
-            answers = [line for line in host.lines if isinstance(line, m.QuestionnaireAnswered)]
+            answers = [line for line in host.lines if isinstance(line, QuestionnaireAnswered)]
     assert [(line.item, line.value) for line in answers] == [
         (item.name, float(number)) for number, item in enumerate(TLX.items)
     ]
@@ -229,7 +230,7 @@ async def test_what_was_typed_survives_loading_anew_and_a_lost_line(
         online = {**offline, "offline": False, "downloadThroughput": -1, "uploadThroughput": -1}
         await aside(opened.driver.execute_cdp_cmd, "Network.emulateNetworkConditions", online)
         await aside(opened.until, lambda: opened.all("button[value=done]"))
-        answers = [line.text for line in host.lines if isinstance(line, m.QuestionnaireAnswered)]
+        answers = [line.text for line in host.lines if isinstance(line, QuestionnaireAnswered)]
         assert answers == ["Because it"]
 
 

@@ -11,6 +11,11 @@ from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.features.questionnaires.figures import asked_in
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.features.questionnaires.scales import item_tables
 from woz_tui.protocol import messages as m
 
@@ -21,12 +26,12 @@ def asked(session: ExampleSession, at: float, question: str, value: float, trial
     """A questionnaire of one item, behind this trial (-1: behind none)."""
     name, about = ("end", "person") if question == PERSON else ("ux", "liked")
     item: dict[str, m.Json] = {"name": about, "question": question, "low": 1, "high": 5}
-    started = m.QuestionnaireStarted(questionnaire=name, title="", items=[item], trial=trial)
-    answer = m.QuestionnaireAnswered(
+    started = QuestionnaireStarted(questionnaire=name, title="", items=[item], trial=trial)
+    answer = QuestionnaireAnswered(
         questionnaire=name, item=about, question=question, value=value, answered_us=1
     )
     session.add(at, started).add(at + 1, answer)
-    session.add(at + 2, m.QuestionnaireEnded(questionnaire=name, answered=1, reason="done"))
+    session.add(at + 2, QuestionnaireEnded(questionnaire=name, answered=1, reason="done"))
 
 
 def played(participant: str, conditions: list[str], person: int) -> SessionFigures:

@@ -9,6 +9,7 @@ import pytest
 from tests.features.questionnaires.rig import on_stage
 from tests.session.rig import SessionRig
 from tests.session.study_rig import had, log
+from woz_tui.features.questionnaires.kinds import QuestionnaireEnded
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
 
@@ -24,7 +25,7 @@ def test_a_questionnaire_that_an_earlier_session_owes_is_told(
 ) -> None:
     lines = had("P01", ["warm", "cold"], "dd", row=0)
     for name in ("each", "ux") if answered else ("each",):
-        lines.append(m.QuestionnaireEnded(questionnaire=name, reason="done", answered=1))
+        lines.append(QuestionnaireEnded(questionnaire=name, reason="done", answered=1))
     name = "2026-03-01T10-00-00_P01_S01"
     log(tmp_path / "recordings", name, lines, title="Made by hand")
 

@@ -16,6 +16,7 @@ from tests.console.piloting import PATIENCE, work_through
 from tests.console.scripted_feed import ScriptedFeed
 from woz_tui.console.input.keyboard import Keyboard
 from woz_tui.console.link.message_feed import Incoming
+from woz_tui.features.questionnaires.kinds import AskAnswer, AskQuestionnaire
 from woz_tui.features.questionnaires.terminal import ParticipantApp
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -83,11 +84,11 @@ async def test_it_waits_asks_and_thanks(size: tuple[int, int]) -> None:
         await pilot.press("enter", "6")
         pilot.clock.advance(0.5)
         await pilot.press("enter")
-        answer = pilot.feed.last(r.AskAnswer)
-        assert isinstance(answer, r.AskAnswer)
+        answer = pilot.feed.last(AskAnswer)
+        assert isinstance(answer, AskAnswer)
         assert (answer.item, answer.value) == ("pleasant", 6.0)
-        ended = pilot.feed.last(r.AskQuestionnaire)
-        assert isinstance(ended, r.AskQuestionnaire)
+        ended = pilot.feed.last(AskQuestionnaire)
+        assert isinstance(ended, AskQuestionnaire)
         assert ended.what == "done"
         await pilot.tell(study_scene.questionnaire_ended("quick"))
         assert "Thank you!" in pilot.drawn()
@@ -150,18 +151,18 @@ async def test_a_lost_line_keeps_the_answers_and_sends_them_again() -> None:
     async with seated() as pilot:
         await pilot.tell(study_scene.questionnaire_started())
         await pilot.press("enter")
-        pilot.feed.answers[r.AskAnswer] = lambda asked, ref: r.Reply(ref=0, ok=True)
+        pilot.feed.answers[AskAnswer] = lambda asked, ref: r.Reply(ref=0, ok=True)
         await pilot.press("6")
         await asyncio.to_thread(pilot.feed.cut, "gone")
         await pilot.settle()
         pilot.app.wake()
         await pilot.settle()
         assert "Just a moment" in pilot.drawn()
-        del pilot.feed.answers[r.AskAnswer]
+        del pilot.feed.answers[AskAnswer]
         await pilot.tell(
             study_scene.welcome(study_scene.questionnaire_started(), role="participant")
         )
-        sent = [asked for asked in pilot.feed.asked if isinstance(asked, r.AskAnswer)]
+        sent = [asked for asked in pilot.feed.asked if isinstance(asked, AskAnswer)]
         assert [(ask_answer.item, ask_answer.value) for ask_answer in sent] == [
             ("pleasant", 6.0)
         ] * 2
@@ -200,8 +201,8 @@ async def test_a_text_that_was_not_confirmed_is_kept_as_answers_are() -> None:
         assert "kind!!" in pilot.drawn()
         pilot.clock.advance(1)
         await pilot.press("backspace", "backspace", "enter")
-        asked = pilot.feed.last(r.AskAnswer)
-        assert isinstance(asked, r.AskAnswer)
+        asked = pilot.feed.last(AskAnswer)
+        assert isinstance(asked, AskAnswer)
         assert asked.text == "kind"
 
 
@@ -221,7 +222,7 @@ async def test_the_next_participant_gets_nothing_of_the_one_before() -> None:
     """The line is away while one round ends and the next one of the same questionnaire begins."""
     async with seated() as pilot:
         await pilot.tell(study_scene.questionnaire_started(TWO))
-        pilot.feed.answers[r.AskAnswer] = lambda asked, ref: r.Reply(ref=0, ok=True)
+        pilot.feed.answers[AskAnswer] = lambda asked, ref: r.Reply(ref=0, ok=True)
         await pilot.press("enter", "6", *"kind")
         await lost(pilot)
         sent = len(pilot.feed.asked)
@@ -252,31 +253,31 @@ async def test_one_questionnaire_alone_begins_when_it_is_due() -> None:
         await pilot.tell(study_scene.questionnaire_ended(), study_scene.trial(1))
         assert pilot.kinds() == set()
         await pilot.tell(m.TrialEnded(trial=1, outcome="done", t=study_scene.NOW))
-        asked = pilot.feed.last(r.AskQuestionnaire)
-        assert isinstance(asked, r.AskQuestionnaire)
+        asked = pilot.feed.last(AskQuestionnaire)
+        assert isinstance(asked, AskQuestionnaire)
         assert (asked.questionnaire, asked.what) == ("quick", "begin")
         await pilot.tell(study_scene.questionnaire_started(study_scene.QUICK))
         assert "This visit" in pilot.drawn()
-        begun = [each for each in pilot.feed.asked if isinstance(each, r.AskQuestionnaire)]
+        begun = [each for each in pilot.feed.asked if isinstance(each, AskQuestionnaire)]
         await pilot.tell(study_scene.questionnaire_ended("quick", "left"))
-        again = [each for each in pilot.feed.asked if isinstance(each, r.AskQuestionnaire)]
+        again = [each for each in pilot.feed.asked if isinstance(each, AskQuestionnaire)]
         assert again == begun, "the wizard has left it, and begins it again if need be"
         await pilot.tell(study_scene.trial(2))
         await pilot.tell(m.TrialEnded(trial=2, outcome="done", t=study_scene.NOW))
-        again = [each for each in pilot.feed.asked if isinstance(each, r.AskQuestionnaire)]
+        again = [each for each in pilot.feed.asked if isinstance(each, AskQuestionnaire)]
         assert len(again) == len(begun) + 1
 
 
 async def test_a_request_that_was_lost_with_the_line_is_made_again() -> None:
     over = study_scene.trial(1), m.TrialEnded(trial=1, outcome="done", t=study_scene.NOW)
     async with seated(only="quick") as pilot:
-        pilot.feed.answers[r.AskQuestionnaire] = lambda sent, ref: r.Reply(ref=-1, ok=True)  # lost
+        pilot.feed.answers[AskQuestionnaire] = lambda sent, ref: r.Reply(ref=-1, ok=True)  # lost
         await pilot.tell(*over)
         asked = pilot.feed.asked
-        assert sum(isinstance(each, r.AskQuestionnaire) for each in asked) == 1
+        assert sum(isinstance(each, AskQuestionnaire) for each in asked) == 1
         await lost(pilot)
         await pilot.tell(study_scene.welcome(*over, role="participant"))
-        assert sum(isinstance(each, r.AskQuestionnaire) for each in asked) == 2
+        assert sum(isinstance(each, AskQuestionnaire) for each in asked) == 2
 
 
 async def test_who_stops_the_robot_amid_a_questionnaire_reads_so_and_goes_on() -> None:
@@ -288,6 +289,6 @@ async def test_who_stops_the_robot_amid_a_questionnaire_reads_so_and_goes_on() -
         assert "The robot has been stopped." in pilot.drawn()
         assert "How pleasant was it" in pilot.drawn()
         await pilot.press("6")
-        assert pilot.feed.last(r.AskAnswer) is not None
+        assert pilot.feed.last(AskAnswer) is not None
         await pilot.tell(m.StopReleased(source="key", t=study_scene.NOW))
         assert "stopped" not in pilot.drawn()

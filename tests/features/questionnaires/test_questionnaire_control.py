@@ -10,12 +10,16 @@ from tests.features.questionnaires.rig import due, history, on_stage, questionna
 from tests.session.rig import SessionRig
 from tests.session.study_rig import short_messages
 from woz_tui.features.questionnaires.history import DueQuestionnaire
-from woz_tui.protocol import messages as m
+from woz_tui.features.questionnaires.kinds import (
+    AskAnswer,
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol.refusal import RequestError
-from woz_tui.protocol.requests import AskAnswer
 from woz_tui.protocol.welcome import LONGEST
 
-ROUND = (m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded)
+ROUND = (QuestionnaireStarted, QuestionnaireAnswered, QuestionnaireEnded)
 
 
 def trials(rig: SessionRig, *outcomes: str) -> None:
@@ -78,7 +82,7 @@ def test_a_round_from_its_beginning_to_its_end(tmp_path: Path) -> None:
         "questionnaire.ended ux done",
     ]
     started, first, second, third, ended = (line for line in rig.lines if isinstance(line, ROUND))
-    assert isinstance(started, m.QuestionnaireStarted)
+    assert isinstance(started, QuestionnaireStarted)
     assert (started.title, started.source) == ("How was it?", "participant")
     assert started.items == [
         {
@@ -90,12 +94,10 @@ def test_a_round_from_its_beginning_to_its_end(tmp_path: Path) -> None:
         },
         {"name": "else", "question": "Anything else?", "text": True, "optional": True},
     ]
-    assert isinstance(first, m.QuestionnaireAnswered) and isinstance(
-        second, m.QuestionnaireAnswered
-    )
+    assert isinstance(first, QuestionnaireAnswered) and isinstance(second, QuestionnaireAnswered)
     assert (first.value, first.answered_us, second.value) == (3.0, 2_000_000, 5.0)
-    assert isinstance(third, m.QuestionnaireAnswered) and third.skipped
-    assert isinstance(ended, m.QuestionnaireEnded)
+    assert isinstance(third, QuestionnaireAnswered) and third.skipped
+    assert isinstance(ended, QuestionnaireEnded)
     assert ended.answered == 1
 
 
@@ -185,7 +187,7 @@ def test_a_round_that_was_left_stays_due_and_begins_anew(tmp_path: Path) -> None
         ask(rig, "whenever")
 
     rig = on_stage(tmp_path, scenario)
-    ends = rig.of(m.QuestionnaireEnded)
+    ends = rig.of(QuestionnaireEnded)
     assert [(line.questionnaire, line.reason, line.answered) for line in ends] == [
         ("ux", "left", 1),
         ("ux", "done", 1),
@@ -203,7 +205,7 @@ def test_a_questionnaire_by_hand_inside_a_trial_belongs_to_it(tmp_path: Path) ->
             rig.session.study.trial("begin", "")
 
     rig = on_stage(tmp_path, scenario)
-    assert short_messages(rig, m.QuestionnaireStarted) == ["questionnaire.started 1 whenever"]
+    assert short_messages(rig, QuestionnaireStarted) == ["questionnaire.started 1 whenever"]
 
 
 def test_the_next_participant_begins_with_nothing_due(tmp_path: Path) -> None:

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from tests.console import study_scene
 from woz_tui.console.input.keyboard import HELD_US
 from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire, items_of
+from woz_tui.features.questionnaires.kinds import AskAnswer, AskQuestionnaire
 from woz_tui.features.questionnaires.run import SETTLING_US, QuestionnairePage, QuestionnaireRun
-from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
 from woz_tui.protocol.welcome import ENGLISH, Questionnaire, QuestionnaireItem
 
 KEYS = ["enter", "tab", "up", "down", "left", "right", "backspace", "home", "end", "pageup"]

@@ -12,6 +12,7 @@ from woz_tui.console.drawing.glyphs import ASCII
 from woz_tui.console.drawing.theme import Appearance
 from woz_tui.features.questionnaires.answers import items_of
 from woz_tui.features.questionnaires.dialog import QuestionnaireDialog
+from woz_tui.features.questionnaires.kinds import AskAnswer, AskQuestionnaire
 from woz_tui.features.questionnaires.widget import QuestionnaireSheet
 from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.protocol import messages as m
@@ -31,8 +32,8 @@ async def asking(pilot: ConsolePilot, questionnaire: dict[str, Json] = study_sce
     await pilot.settle()
 
 
-def answers(pilot: ConsolePilot) -> list[r.AskAnswer]:
-    return [asked for asked in pilot.feed.asked if isinstance(asked, r.AskAnswer)]
+def answers(pilot: ConsolePilot) -> list[AskAnswer]:
+    return [asked for asked in pilot.feed.asked if isinstance(asked, AskAnswer)]
 
 
 @pytest.mark.parametrize("size", SIZES)
@@ -54,8 +55,8 @@ async def test_all_of_it_is_answered_by_keys(size: tuple[int, int]) -> None:
         assert "finish" in pilot.drawn()
         await pilot.pass_time(0.8)
         await pilot.press("enter")
-        ended = pilot.feed.last(r.AskQuestionnaire)
-        assert isinstance(ended, r.AskQuestionnaire)
+        ended = pilot.feed.last(AskQuestionnaire)
+        assert isinstance(ended, AskQuestionnaire)
         assert ended.what == "done"
         assert [answer.value for answer in answers(pilot)] == [6.0, 10.0, 42.0, None]
         assert answers(pilot)[-1].text == "It was kind"
@@ -224,7 +225,7 @@ async def test_back_from_a_text_and_back_to_it() -> None:
 async def test_a_refusal_is_shown_and_the_item_is_open_again() -> None:
     async with piloted_console(study_scene.welcome()) as pilot:
         await asking(pilot)
-        pilot.feed.answers[r.AskAnswer] = lambda asked, ref: r.Reply(
+        pilot.feed.answers[AskAnswer] = lambda asked, ref: r.Reply(
             ref=ref, ok=False, reason="the questionnaire 'robot' is not open"
         )
         await pilot.press("enter", "6")
@@ -236,14 +237,14 @@ async def test_an_answer_that_was_lost_with_the_line_goes_out_again() -> None:
     async with piloted_console(study_scene.welcome(study_scene.questionnaire_started())) as pilot:
         await asking(pilot)
         await pilot.press("enter")
-        pilot.feed.answers[r.AskAnswer] = lambda asked, ref: r.Reply(ref=0, ok=True)
+        pilot.feed.answers[AskAnswer] = lambda asked, ref: r.Reply(ref=0, ok=True)
         await pilot.press("6")
         sent = answers(pilot)
         pilot.feed.cut("the line was cut")
         await pilot.settle()
         pilot.console.paint()
         await pilot.settle()
-        del pilot.feed.answers[r.AskAnswer]
+        del pilot.feed.answers[AskAnswer]
         await pilot.tell(study_scene.welcome(study_scene.questionnaire_started()))
         await pilot.until(lambda: isinstance(pilot.console.dialog, QuestionnaireDialog))
         await pilot.settle()

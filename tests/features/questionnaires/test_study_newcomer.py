@@ -12,9 +12,13 @@ from hypothesis import strategies as st
 from tests.features.questionnaires.rig import history, on_stage, questionnaires
 from tests.session.rig import SessionRig
 from woz_tui.features.questionnaires.history import QuestionnaireHistory
+from woz_tui.features.questionnaires.kinds import (
+    AskAnswer,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
-from woz_tui.protocol.requests import AskAnswer
 from woz_tui.session.session_plan import study_snapshot
 from woz_tui.timeline.session_state import SessionState
 
@@ -91,7 +95,7 @@ def test_every_beginning_has_one_end_in_any_course(
     for begins, ends in (
         (m.TrialStarted, m.TrialEnded),
         (m.BreakStarted, m.BreakEnded),
-        (m.QuestionnaireStarted, m.QuestionnaireEnded),
+        (QuestionnaireStarted, QuestionnaireEnded),
     ):
         course = [isinstance(line, begins) for line in rig.of(begins, ends)]
         assert course == [True, False] * (len(course) // 2)

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from woz_tui.features.phases.kinds import PhaseChanged
+from woz_tui.features.questionnaires.kinds import QuestionnaireEnded, QuestionnaireStarted
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.description import Description
 
@@ -182,9 +183,9 @@ def _of_study(message: m.Message) -> Iterable[MarkerWord]:
             word = "break/begin"
         case m.BreakEnded():
             word = "break/end"
-        case m.QuestionnaireStarted(questionnaire=asked):
+        case QuestionnaireStarted(questionnaire=asked):
             word = f"questionnaire/{name(asked)}/begin"
-        case m.QuestionnaireEnded(questionnaire=asked, reason=reason):
+        case QuestionnaireEnded(questionnaire=asked, reason=reason):
             word = f"questionnaire/{name(asked)}/{reason}"
         case PhaseChanged(phase=phase) if phase:
             word = f"phase/{name(phase)}"

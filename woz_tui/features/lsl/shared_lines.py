@@ -11,6 +11,7 @@ from typing import Any
 import msgspec
 
 from woz_tui.export.redaction import redacted
+from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered
 from woz_tui.protocol import messages as m
 
 #: Fields with codes of people, and with conditions.
@@ -39,7 +40,7 @@ class SharedLines:
             return None
         if isinstance(message, m.ConditionsAssigned) and "conditions" not in self._shares:
             return None
-        if isinstance(message, m.QuestionnaireAnswered) and "texts" not in self._shares:
+        if isinstance(message, QuestionnaireAnswered) and "texts" not in self._shares:
             return None
         fields: dict[str, Any] = msgspec.to_builtins(message)
         if "texts" not in self._shares:

@@ -11,7 +11,7 @@ from typing import Any
 
 from woz_tui.analysis.html.markup import Markup, joined, tag
 from woz_tui.features.questionnaires.answers import ItemAnswer
-from woz_tui.protocol.requests import AskAnswer
+from woz_tui.features.questionnaires.kinds import AskAnswer
 from woz_tui.protocol.welcome import LONGEST, QuestionnaireItem, QuestionnaireWords
 
 #: Points of a scale that are buttons each, at the most; a wider one takes a number.

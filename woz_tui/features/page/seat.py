@@ -19,8 +19,12 @@ from woz_tui.features.page.item_forms import UnreadAnswerError, answer_of
 from woz_tui.features.page.news import News, within
 from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire
 from woz_tui.features.questionnaires.console import questionnaires_of
-from woz_tui.protocol import messages as m
-from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
+from woz_tui.features.questionnaires.kinds import (
+    AskAnswer,
+    AskQuestionnaire,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol.welcome import QuestionnaireItem, QuestionnaireWords
 from woz_tui.system.clock import Clock
 from woz_tui.system.tasks import end_tasks
@@ -145,9 +149,9 @@ class ParticipantSeat:
 
     def _hear(self, message: Incoming) -> None:
         match message:
-            case m.QuestionnaireEnded():
+            case QuestionnaireEnded():
                 self.thanks = message.reason != "left"
-            case m.QuestionnaireStarted():
+            case QuestionnaireStarted():
                 self.thanks = False
 
     # -- what is on the page --------------------------------------------------------------------

@@ -7,6 +7,7 @@ class Questionnaires(Feature):
     """The wizard reads one aloud, or the participant answers it at a terminal."""
 
     name = "questionnaires"
+    kinds = "kinds:KINDS"
     section = "section:QUESTIONNAIRES"
     words = "questionnaire"
     gate = "gate:GATE"
@@ -15,6 +16,8 @@ class Questionnaires(Feature):
     sentences = "console:SENTENCES"
     notes = "console:QuestionnaireNotes"
     console = "console:CONSOLE"
+    export = "export:EXPORT"
+    bookmarks = "bookmarks:BOOKMARKS"
     figures = "figures:FIGURES"
     gathered = "scales:GatheredScales"
     report = "report:REPORT"

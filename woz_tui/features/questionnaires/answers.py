@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from woz_tui.protocol import messages as m
+from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 
 
@@ -59,7 +59,7 @@ class OpenQuestionnaire:
         """Items with an answer, those left out included."""
         return sum(item.name in self.answers for item in self.items)
 
-    def apply(self, told: m.QuestionnaireAnswered) -> None:
+    def apply(self, told: QuestionnaireAnswered) -> None:
         """Somebody answered, here or at another terminal."""
         value = None if told.value is None else round(told.value)
         self.answers[told.item] = ItemAnswer(value, told.text, told.skipped)

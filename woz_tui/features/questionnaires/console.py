@@ -20,8 +20,12 @@ from woz_tui.console.widgets.feature_console import (
 )
 from woz_tui.features.questionnaires.answers import OpenQuestionnaire, items_of
 from woz_tui.features.questionnaires.history import QuestionnaireHistory
-from woz_tui.protocol import messages as m
-from woz_tui.protocol.requests import AskQuestionnaire
+from woz_tui.features.questionnaires.kinds import (
+    AskQuestionnaire,
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol.welcome import Questionnaire
 from woz_tui.timeline.session_state import SessionState
 
@@ -37,7 +41,7 @@ _NUMBERED = 9
 class QuestionnaireNotes(FeatureNotes):
     """The questionnaire that is put to somebody now, with what was answered here."""
 
-    hears = (m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded)
+    hears = (QuestionnaireStarted, QuestionnaireAnswered, QuestionnaireEnded)
 
     def __init__(self, session: SessionState) -> None:
         super().__init__(session)
@@ -73,10 +77,10 @@ class QuestionnaireNotes(FeatureNotes):
         return [name for name in dict.fromkeys(wanted) if name != asked]
 
     def apply(
-        self, message: m.QuestionnaireStarted | m.QuestionnaireAnswered | m.QuestionnaireEnded
+        self, message: QuestionnaireStarted | QuestionnaireAnswered | QuestionnaireEnded
     ) -> StudyNews | None:
         self.follow()
-        if isinstance(message, m.QuestionnaireAnswered) and self.open is not None:
+        if isinstance(message, QuestionnaireAnswered) and self.open is not None:
             self.open.apply(message)
         return None
 
@@ -95,7 +99,7 @@ class QuestionnaireNotes(FeatureNotes):
             for answer in current.answers.values():
                 self.open.apply(answer)
 
-    def _begun(self, name: str, started: m.QuestionnaireStarted | None) -> Questionnaire:
+    def _begun(self, name: str, started: QuestionnaireStarted | None) -> Questionnaire:
         """As it was begun; what that does not say, as the file has it."""
         known = self.called(name) or Questionnaire(name)
         if started is None:
@@ -115,19 +119,19 @@ def questionnaires_of(state: ConsoleState) -> QuestionnaireNotes:
 # -- the list of events ----------------------------------------------------------------------------
 
 
-def _started(message: m.QuestionnaireStarted, shown: EventContext) -> EventLine:
+def _started(message: QuestionnaireStarted, shown: EventContext) -> EventLine:
     about = f"after trial {message.trial}" if message.trial >= 0 else ""
     return EventLine("info", f"Asked: {message.title or message.questionnaire}", about)
 
 
-def _ended(message: m.QuestionnaireEnded, shown: EventContext) -> EventLine:
+def _ended(message: QuestionnaireEnded, shown: EventContext) -> EventLine:
     """Answers of a participant have no line: they are for the log, not for who plays the robot."""
     ended = {"done": "answered", "left": "not finished"}.get(message.reason, message.reason)
     mark = "done" if message.reason == "done" else "info"
     return EventLine(mark, f"Questionnaire {ended}", f"{message.answered} answered")
 
 
-SENTENCES = {m.QuestionnaireStarted: _started, m.QuestionnaireEnded: _ended}
+SENTENCES = {QuestionnaireStarted: _started, QuestionnaireEnded: _ended}
 
 
 # -- between trials --------------------------------------------------------------------------------

@@ -13,8 +13,9 @@ from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog
 from woz_tui.features.questionnaires.console import offered, questionnaires_of
+from woz_tui.features.questionnaires.kinds import AskQuestionnaire
 from woz_tui.features.questionnaires.widget import QuestionnaireSheet, thanks
-from woz_tui.protocol.requests import AskQuestionnaire, Reply
+from woz_tui.protocol.requests import Reply
 
 
 class QuestionnaireDialog(Dialog):

@@ -12,7 +12,11 @@ from woz_tui.analysis.feature_figures import FeatureFigures, Instant
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.text_format import NONE, counted, duration, times
-from woz_tui.features.questionnaires.history import QuestionnaireHistory, UnansweredEpisode
+from woz_tui.features.questionnaires.history import (
+    QuestionnaireEpisode,
+    QuestionnaireHistory,
+    UnansweredEpisode,
+)
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.timeline import Timeline
 
@@ -159,7 +163,7 @@ class CountedQuestionnaires(FeatureFigures):
         yield answer_table(figures)
 
     def instant(self, episode: e.Episode) -> Instant | None:
-        if not isinstance(episode, e.QuestionnaireEpisode) or episode.started is None:
+        if not isinstance(episode, QuestionnaireEpisode) or episode.started is None:
             return None
         return Instant(episode.begin, episode.started.title or episode.name, "questionnaire")
 
@@ -225,7 +229,7 @@ def answers(timeline: Timeline) -> Iterator[AnswerRow]:
             )
 
 
-def _rounds(timeline: Timeline) -> Iterator[tuple[e.QuestionnaireEpisode, int, bool]]:
+def _rounds(timeline: Timeline) -> Iterator[tuple[QuestionnaireEpisode, int, bool]]:
     """Each round, its number, and whether its answers count."""
     rounds = [*_numbered(timeline)]
     #: Of rounds that were left and of others: the last of a questionnaire that has answers.
@@ -240,7 +244,7 @@ def _rounds(timeline: Timeline) -> Iterator[tuple[e.QuestionnaireEpisode, int, b
         yield each, number, not again and _of_counted_trials(timeline, each)
 
 
-def _condition_of(timeline: Timeline, each: e.QuestionnaireEpisode) -> str:
+def _condition_of(timeline: Timeline, each: QuestionnaireEpisode) -> str:
     """The condition that it is about: none where it was asked outside of trials (at the end, or by
     hand) of somebody who had several conditions, and is about all of them.
     """
@@ -252,7 +256,7 @@ def _condition_of(timeline: Timeline, each: e.QuestionnaireEpisode) -> str:
     return "" if several else each.context.condition
 
 
-def _of_counted_trials(timeline: Timeline, each: e.QuestionnaireEpisode) -> bool:
+def _of_counted_trials(timeline: Timeline, each: QuestionnaireEpisode) -> bool:
     """Whether a questionnaire is about a trial that counts, or about none. One about a condition is
     about all its trials, of which one is enough.
     """
@@ -271,23 +275,23 @@ def _of_counted_trials(timeline: Timeline, each: e.QuestionnaireEpisode) -> bool
     return not behind or any(not timeline.left_out(trial) for trial in behind)
 
 
-def _left(each: e.QuestionnaireEpisode) -> bool:
+def _left(each: QuestionnaireEpisode) -> bool:
     return each.ended is not None and each.ended.reason == "left"
 
 
-def _about(each: e.QuestionnaireEpisode) -> tuple[str, str, int | None]:
+def _about(each: QuestionnaireEpisode) -> tuple[str, str, int | None]:
     return each.name, each.context.participant, each.trial
 
 
-def _numbered(timeline: Timeline) -> Iterator[tuple[e.QuestionnaireEpisode, int]]:
+def _numbered(timeline: Timeline) -> Iterator[tuple[QuestionnaireEpisode, int]]:
     """Questionnaires, and how often each had been put by then."""
     counts: Counter[str] = Counter()
-    for each in timeline.of(e.QuestionnaireEpisode):
+    for each in timeline.of(QuestionnaireEpisode):
         counts[each.name] += 1
         yield each, counts[each.name]
 
 
-def _items(questionnaire: e.QuestionnaireEpisode) -> Mapping[str, Mapping[str, Any]]:
+def _items(questionnaire: QuestionnaireEpisode) -> Mapping[str, Mapping[str, Any]]:
     listed = questionnaire.started.items if questionnaire.started is not None else []
     return {str(item.get("name", "")): item for item in listed}
 

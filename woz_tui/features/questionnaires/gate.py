@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from woz_tui.features.questionnaires.kinds import AskAnswer, AskQuestionnaire
 from woz_tui.gate.table import FeatureGate
-from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
 
 _ALL = (AskQuestionnaire, AskAnswer)
 

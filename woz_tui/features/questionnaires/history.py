@@ -8,12 +8,17 @@ from typing import Any, ClassVar
 
 from msgspec.structs import replace
 
-from woz_tui.config.study_words import OVER, due_after_trial
+from woz_tui.config.study_words import OVER
+from woz_tui.features.questionnaires.due import due_after_trial
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
     Episode,
     EpisodeOutcome,
-    QuestionnaireEpisode,
     keep_latest,
 )
 from woz_tui.timeline.feature_history import FeatureHistory, HistoryCase
@@ -26,6 +31,42 @@ class DueQuestionnaire:
 
     questionnaire: str
     trial: int = -1
+
+
+class QuestionnaireEpisode(Episode, frozen=True, kw_only=True):
+    """One round of a questionnaire; `started` is None if that line is lost.
+
+    `answers` has the last one to each item, in the order in which items were answered first.
+    """
+
+    kind = "questionnaire"
+    name: str
+    started: QuestionnaireStarted | None = None
+    answers: Mapping[str, QuestionnaireAnswered] = {}
+    ended: QuestionnaireEnded | None = None
+
+    @property
+    def label(self) -> str:
+        """Its name."""
+        return self.name
+
+    @property
+    def trial(self) -> int | None:
+        """The trial that it is about: as its first line says, or else the one in which it began."""
+        if self.started is not None and self.started.trial >= 0:
+            return self.started.trial
+        return self.context.trial
+
+    @property
+    def source(self) -> str:
+        """Who put it: wizard or participant."""
+        return self.started.source if self.started else ""
+
+    @property
+    def lines(self) -> Iterable[m.Message]:
+        """With the answers."""
+        both = (self.started, *self.answers.values(), self.ended)
+        return (line for line in both if line is not None)
 
 
 class UnansweredEpisode(Episode, frozen=True, kw_only=True):
@@ -46,12 +87,13 @@ class QuestionnaireHistory(FeatureHistory):
             participant had at its end.
     """
 
-    earlier = (m.QuestionnaireEnded,)
+    deeds = (QuestionnaireStarted, QuestionnaireAnswered, QuestionnaireEnded)
+    earlier = (QuestionnaireEnded,)
 
     def __init__(self) -> None:
         self.questionnaire: QuestionnaireEpisode | None = None
-        self.had: dict[str, m.QuestionnaireEnded] = {}
-        self.rounds: dict[str, m.QuestionnaireEnded] = {}
+        self.had: dict[str, QuestionnaireEnded] = {}
+        self.rounds: dict[str, QuestionnaireEnded] = {}
         self.over: m.TrialEnded | None = None
         self.order: m.ConditionsAssigned | None = None
         #: Which questionnaires have been had since that trial.
@@ -102,7 +144,7 @@ class QuestionnaireHistory(FeatureHistory):
         self, message: m.Message, state: SessionState, before: tuple[str, ...]
     ) -> tuple[str, ...]:
         match message:
-            case m.QuestionnaireEnded(questionnaire=name, reason=reason):
+            case QuestionnaireEnded(questionnaire=name, reason=reason):
                 left = reason == EpisodeOutcome.LEFT
                 return before if left else tuple(each for each in before if each != name)
             case m.TrialStarted() | m.TrialEnded():
@@ -155,7 +197,7 @@ class QuestionnaireHistory(FeatureHistory):
 
     # -- questionnaires ----------------------------------------------------------------------------
 
-    def _begin(self, message: m.QuestionnaireStarted, state: SessionState) -> Iterator[Episode]:
+    def _begin(self, message: QuestionnaireStarted, state: SessionState) -> Iterator[Episode]:
         """There is one at a time."""
         yield from self._cut(state)
         name = message.questionnaire
@@ -164,7 +206,7 @@ class QuestionnaireHistory(FeatureHistory):
         )
         yield self.questionnaire
 
-    def _answer(self, message: m.QuestionnaireAnswered, state: SessionState) -> Iterator[Episode]:
+    def _answer(self, message: QuestionnaireAnswered, state: SessionState) -> Iterator[Episode]:
         """Without its beginning in the log, the questionnaire begins with it."""
         name = message.questionnaire
         if self.questionnaire is None or self.questionnaire.name != name:
@@ -175,7 +217,7 @@ class QuestionnaireHistory(FeatureHistory):
         keep_latest(answers, message.item, message)
         self.questionnaire = replace(self.questionnaire, answers=answers)
 
-    def _end(self, message: m.QuestionnaireEnded, state: SessionState) -> Iterator[Episode]:
+    def _end(self, message: QuestionnaireEnded, state: SessionState) -> Iterator[Episode]:
         """Nothing but a moment comes of it if its beginning is not in the log."""
         name, t = message.questionnaire, state.t
         keep_latest(self.rounds, name, message)
@@ -203,9 +245,9 @@ class QuestionnaireHistory(FeatureHistory):
         m.ConditionsAssigned: _change,
         m.TrialStarted: _begin_trial,
         m.TrialEnded: _end_trial,
-        m.QuestionnaireStarted: _begin,
-        m.QuestionnaireAnswered: _answer,
-        m.QuestionnaireEnded: _end,
+        QuestionnaireStarted: _begin,
+        QuestionnaireAnswered: _answer,
+        QuestionnaireEnded: _end,
     }
 
 

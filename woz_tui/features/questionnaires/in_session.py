@@ -6,10 +6,16 @@ from collections.abc import Mapping
 from typing import Any
 
 from woz_tui.features.questionnaires.history import QuestionnaireHistory
+from woz_tui.features.questionnaires.kinds import (
+    AskAnswer,
+    AskQuestionnaire,
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import PARTICIPANT
-from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
 from woz_tui.protocol.welcome import LONGEST, QuestionnaireItem
 from woz_tui.session.condition_proposal import Owed
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
@@ -91,7 +97,7 @@ class QuestionnaireController(SessionFeature):
         running = self.session.state.study.trial
         trial = running.started.trial if running is not None else -1
         self._publish(
-            m.QuestionnaireStarted(
+            QuestionnaireStarted(
                 questionnaire=name,
                 title=known[name].title,
                 items=[*map(_item_view, known[name].items)],
@@ -100,7 +106,7 @@ class QuestionnaireController(SessionFeature):
             )
         )
 
-    def _under_way(self, name: str) -> m.QuestionnaireStarted:
+    def _under_way(self, name: str) -> QuestionnaireStarted:
         current = self._history.questionnaire
         if current is None or current.started is None or current.name != name:
             other = f"{current.name!r} is" if current is not None else "none is"
@@ -108,11 +114,11 @@ class QuestionnaireController(SessionFeature):
         return current.started
 
     @property
-    def _answers(self) -> Mapping[str, m.QuestionnaireAnswered]:
+    def _answers(self) -> Mapping[str, QuestionnaireAnswered]:
         current = self._history.questionnaire
         return current.answers if current is not None else {}
 
-    def _all_answered(self, started: m.QuestionnaireStarted) -> None:
+    def _all_answered(self, started: QuestionnaireStarted) -> None:
         answers = self._answers
         absent = [
             item
@@ -126,7 +132,7 @@ class QuestionnaireController(SessionFeature):
 
     def _end(self, name: str, reason: str) -> None:
         answered = sum(not answer.skipped for answer in self._answers.values())
-        self._publish(m.QuestionnaireEnded(questionnaire=name, reason=reason, answered=answered))
+        self._publish(QuestionnaireEnded(questionnaire=name, reason=reason, answered=answered))
 
     # -- answers -----------------------------------------------------------------------------------
 
@@ -146,7 +152,7 @@ class QuestionnaireController(SessionFeature):
         else:
             _check_value(request, item)
         self._publish(
-            m.QuestionnaireAnswered(
+            QuestionnaireAnswered(
                 questionnaire=request.questionnaire,
                 item=request.item,
                 question=str(item["question"]),

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 from woz_tui.console.input.keyboard import HELD_US
 from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire
-from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire
+from woz_tui.features.questionnaires.kinds import AskAnswer, AskQuestionnaire
 from woz_tui.protocol.welcome import ENGLISH, LONGEST, QuestionnaireItem, QuestionnaireWords
 
 #: Steps of the page keys on a wide scale.

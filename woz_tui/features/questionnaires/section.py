@@ -24,10 +24,10 @@ from woz_tui.config.annotated_decoder import read_entries, read_partly
 from woz_tui.config.feature_section import FeatureSection, FileContents
 from woz_tui.config.languages import Language
 from woz_tui.config.reload_changes import changed_entries
-from woz_tui.config.study_words import WHENS
 from woz_tui.config.yaml_cursor import Cursor, check_different, missing, read_filled, read_text
 from woz_tui.config.yaml_nodes import ScalarNode
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, NotEmpty, OneOf, Range, ReadApart
+from woz_tui.features.questionnaires.due import WHENS
 from woz_tui.protocol.welcome import ENGLISH, Questionnaire, QuestionnaireItem, QuestionnaireWords
 
 #: What names in logs and tables look like.

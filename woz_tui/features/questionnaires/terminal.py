@@ -19,9 +19,13 @@ from woz_tui.console.screen_app import ScreenApp
 from woz_tui.features.questionnaires.answers import OpenQuestionnaire
 from woz_tui.features.questionnaires.console import questionnaires_of
 from woz_tui.features.questionnaires.history import DueQuestionnaire
+from woz_tui.features.questionnaires.kinds import (
+    AskQuestionnaire,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.features.questionnaires.widget import QuestionnaireSheet, Words, thanks
-from woz_tui.protocol import messages as m
-from woz_tui.protocol.requests import AskQuestionnaire, Reply, Request
+from woz_tui.protocol.requests import Reply, Request
 from woz_tui.protocol.welcome import QuestionnaireWords
 
 #: Leaves this screen; for whoever has set it up, so it stands nowhere on it.
@@ -82,9 +86,9 @@ class ParticipantApp(ScreenApp):
         for message in batch:
             if isinstance(message, Reply):
                 self._waiting.pop(message.ref, _nobody)(message)
-            elif isinstance(message, m.QuestionnaireEnded):
+            elif isinstance(message, QuestionnaireEnded):
                 self._thanks = message.reason != "left"
-            elif isinstance(message, m.QuestionnaireStarted):
+            elif isinstance(message, QuestionnaireStarted):
                 self._thanks = False
 
     def _begin(self) -> None:

@@ -15,6 +15,7 @@ from woz_tui.console.drawing.cells import Cells
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.link.message_feed import GONE
 from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire
+from woz_tui.features.questionnaires.kinds import AskAnswer, AskQuestionnaire
 from woz_tui.features.questionnaires.pages import (
     column_of,
     foot_rows,
@@ -23,7 +24,7 @@ from woz_tui.features.questionnaires.pages import (
     words_rows,
 )
 from woz_tui.features.questionnaires.run import QuestionnaireRun
-from woz_tui.protocol.requests import AskAnswer, AskQuestionnaire, Reply
+from woz_tui.protocol.requests import Reply
 from woz_tui.protocol.welcome import ENGLISH, QuestionnaireWords
 
 #: Sends a request; the reply comes later, in the screen's thread.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from woz_tui.config.study_words import due_after_trial
+from woz_tui.features.questionnaires.due import due_after_trial
 
 #: Two trials in each of two conditions.
 CASES = [

@@ -1,0 +1,53 @@
+"""Examples of what is said and asked of questionnaires, for the golden files of the protocol."""
+
+from woz_tui.features.questionnaires.kinds import (
+    AskAnswer,
+    AskQuestionnaire,
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
+
+MESSAGES = (
+    QuestionnaireStarted(
+        questionnaire="robot",
+        title="How was the robot?",
+        items=[
+            {
+                "name": "friendly",
+                "question": "The robot was friendly.",
+                "low": 1,
+                "high": 7,
+                "ends": ["not at all", "very much"],
+            },
+            {"name": "else", "question": "Anything else?", "text": True, "optional": True},
+        ],
+        trial=1,
+        source="participant",
+    ),
+    QuestionnaireAnswered(
+        questionnaire="robot",
+        item="friendly",
+        question="The robot was friendly.",
+        value=6.0,
+        answered_us=2_300_000,
+    ),
+    QuestionnaireAnswered(
+        questionnaire="robot",
+        item="else",
+        question="Anything else?",
+        text="it blinked",
+        answered_us=8_100_000,
+    ),
+    QuestionnaireAnswered(
+        questionnaire="robot", item="age", question="How old are you?", skipped=True
+    ),
+    QuestionnaireEnded(questionnaire="robot", reason="done", answered=2),
+)
+REQUESTS = (
+    AskQuestionnaire(ref=25, questionnaire="robot", source="participant"),
+    AskQuestionnaire(ref=31, questionnaire="robot", what="declined"),
+    AskAnswer(ref=26, questionnaire="robot", item="friendly", value=6.0, answered_us=2_300_000),
+    AskAnswer(ref=27, questionnaire="robot", item="else", skipped=True),
+    AskAnswer(ref=32, questionnaire="robot", item="else", text="it blinked"),
+)

@@ -23,6 +23,7 @@ from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver, DriverContext
 from woz_tui.features.phases.in_session import PhaseController
 from woz_tui.features.scripts.in_session import ScriptController
+from woz_tui.features.study.in_session import TrialController
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.experiment_view import ExperimentView, plan_of
 from woz_tui.protocol import codec
@@ -115,14 +116,14 @@ SHOW_MOMENT = 30.6
 
 def ticked(session: Session) -> None:
     """Everything on the preflight list has been seen to."""
-    for item in session.study.settings.preflight:
-        session.study.check(item.check, ok=True, text="", source="wizard")
+    for item in session.state.study.settings.preflight:
+        session.tick(item.check, ok=True, text="", source="wizard")
 
 
 #: An interview: the participant asks something at 26 s that no line answers.
 INTERVIEW: tuple[Step, ...] = (
     (0.5, ticked),
-    (1.0, lambda session: session.study.trial("begin", "")),
+    (1.0, lambda session: session.features.of(TrialController).trial("begin", "")),
     (3.0, lambda session: session.features.of(PhaseController).go_on("Home", KEY)),
     (15.0, space),
     (27.5, play("repair dont_know")),

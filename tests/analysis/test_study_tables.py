@@ -26,6 +26,7 @@ from typing import Any
 from tests.features.questionnaires.rig import due as due_in
 from tests.features.questionnaires.rig import questionnaires, study_experiment
 from tests.session.rig import SessionRig
+from tests.session.study_rig import trial_control
 from woz_tui.cli import main
 from woz_tui.features.questionnaires.kinds import AskAnswer
 from woz_tui.gate.questions import RequestOrigin
@@ -76,7 +77,7 @@ def play_session(folder: Path, code: str, session: str, chance: random.Random) -
 
     async def scenario(rig: SessionRig) -> None:
         rig.session.hub.publish(plan_for_log(ExperimentView.of(rig.session)))  # as a host does
-        study = rig.session.study
+        study = trial_control(rig.session)
         await asyncio.sleep(chance.uniform(1, 30))  # before there is a code
         if chance.random() < 0.3:  # a slip of the pen
             study.assign("P99", [*study.propose("P99").order])
@@ -102,7 +103,7 @@ OUTCOMES = ("done", "aborted", "excluded")
 
 async def play_trial(rig: SessionRig, outcome: str, chance: random.Random) -> None:
     """A trial with actions and mistakes, and the questionnaires that are due behind it."""
-    study = rig.session.study
+    study = trial_control(rig.session)
     study.trial("begin", "")
     for _ in range(chance.randrange(1, 6)):
         rig.session.play(chance.choice(("Hello", "Welcome", "Fall")), KEY)

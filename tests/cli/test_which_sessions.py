@@ -12,10 +12,10 @@ import pytest
 
 from tests.analysis.example_sessions import ExampleSession
 from woz_tui.cli import main
+from woz_tui.features.study.earlier_sessions import EarlierSessions
 from woz_tui.log.sessions import sessions_in
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.session.earlier_sessions import EarlierSessions
 
 FIRST, SECOND, THIRD = (f"2026-03-0{day}T10-00-00_P0{day}_S0{day}" for day in (1, 2, 3))
 

@@ -15,6 +15,7 @@ from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.rig import WAIT_S, experiment
 from tools import ROOT
 from woz_tui.config.experiment import Experiment
+from woz_tui.feature import pieces
 from woz_tui.host import client_connection, request_handlers
 from woz_tui.protocol import messages as m
 
@@ -313,5 +314,7 @@ async def test_who_is_closed_and_then_reads_leaves_no_error(
 def test_the_page_of_the_protocol_names_all_that_takes_long() -> None:
     page = (ROOT / "docs" / "reference" / "protocol.md").read_text(encoding="utf-8")
     [named] = re.findall(r"notice\.\n *((?:`[a-z-]+`(?:, | and )?)+) take long", page)
-    kinds = {str(kind.__struct_config__.tag) for kind in get_args(request_handlers.Slow)}
+    slow = [*get_args(request_handlers.Slow)]
+    slow += (kind for each in pieces("session", type).values() for kind in each.lookups)
+    kinds = {str(kind.__struct_config__.tag) for kind in slow}
     assert {*re.findall("`([a-z-]+)`", named)} == kinds

@@ -12,11 +12,13 @@ import msgspec
 from tests.session.rig import SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Design, PerceptionLimits, Study
+from woz_tui.features.study.in_session import TrialController
 from woz_tui.log.disk import LogDisk
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.session.participant_identity import SessionIdentity
+from woz_tui.session.session import Session
 
 STUDY = Study(
     design=Design(trials=2, blind={"warm": "A", "cold": "B"}),
@@ -42,6 +44,11 @@ def study_experiment(
         study=study,
         sections=sections,
     )
+
+
+def trial_control(session: Session) -> TrialController:
+    """What begins and ends the session's trials."""
+    return session.features.of(TrialController)
 
 
 def renamed(tmp_path: Path) -> Experiment:

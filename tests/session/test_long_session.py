@@ -14,6 +14,7 @@ import pytest
 from tests.fakes.virtual_time import run_virtual
 from tests.features.questionnaires.rig import due, history, questionnaires, study_experiment
 from tests.session.rig import SessionRig
+from tests.session.study_rig import trial_control
 from woz_tui.analysis.figure_counting import FigureOptions
 from woz_tui.analysis.session_reading import read_report
 from woz_tui.features.delay.kinds import ActionHeld
@@ -49,7 +50,7 @@ class RandomWizard:
             (4, lambda: self.rig.session.cancel(self.asked[-1])),
             (3, lambda: self.rig.session.stop("key")),
             (9, lambda: self.rig.session.release("key")),
-            (10, lambda: self.rig.session.study.trial(self.chance.choice(OUTCOMES), "")),
+            (10, lambda: trial_control(self.rig.session).trial(self.chance.choice(OUTCOMES), "")),
             (4, self._assign),
             (16, self._ask),
             (2, lambda: self.rig.session.lock("Base", self.chance.random() < 0.5)),
@@ -82,7 +83,7 @@ class RandomWizard:
     def _assign(self) -> None:
         participant = f"P{self.chance.randrange(100):02d}"
         order = ["warm", "cold"] if self.chance.random() < 0.5 else ["cold", "warm"]
-        self.rig.session.study.assign(participant, order)
+        trial_control(self.rig.session).assign(participant, order)
 
     def _ask(self) -> None:
         current = history(self.rig).questionnaire

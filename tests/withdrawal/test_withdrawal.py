@@ -26,6 +26,7 @@ from woz_tui.analysis.kept_figures import figures_folder, kept_report
 from woz_tui.analysis.session_reading import NO_EXTRAS, read_report
 from woz_tui.cli import main
 from woz_tui.drivers.face_store import FaceStore, default_path
+from woz_tui.features.study.earlier_sessions import EarlierSessions
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.log.coding_file import Coding, coding_path, read_codings
 from woz_tui.log.log_reader import messages, read
@@ -37,7 +38,6 @@ from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.sensing.visitor_store import VisitorStore
-from woz_tui.session.earlier_sessions import EarlierSessions
 from woz_tui.system.clock import ManualClock
 from woz_tui.timeline.timeline import timeline_of
 from woz_tui.withdrawal import removal

@@ -40,7 +40,6 @@ COMMANDS = {
     "voices": "list the voices of this machine or of an experiment's robot",
     "say": "hear how a text sounds",
     "convert": "write a WoZ4U config.yaml as an experiment file",
-    "design": "show the order of conditions: used so far, and next",
     "doctor": "check this machine, its devices and this terminal for an experiment",
     "midi": "learn the controls of a MIDI panel, or show their functions",
     "hands": "play with a gamepad or a Stream Deck, also over ssh",

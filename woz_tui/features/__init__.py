@@ -5,6 +5,7 @@ it. One that is taken out of the list is not there: a file that uses it is told 
 """
 
 FEATURES: tuple[str, ...] = (
+    "woz_tui.features.study:Study",
     "woz_tui.features.delay:Delay",
     "woz_tui.features.phases:Phases",
     "woz_tui.features.scripts:Scripts",

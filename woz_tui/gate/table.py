@@ -63,7 +63,7 @@ FOR_ROLES: dict[type, tuple[tuple[str, ...], str, str]] = {
 #: moves nothing. Whatever is not named here is refused then.
 WHILE_ENDING = (
     *(r.AskAction, r.AskVerb, r.AskRelease, r.AskReload, r.AskPredict),
-    *(r.AskDescribe, r.AskPreflight, r.AskProposal, r.AskKeepTyped, r.AskPicture, r.AskSound),
+    *(r.AskDescribe, r.AskPreflight, r.AskKeepTyped, r.AskPicture, r.AskSound),
     *(r.AskTalk, r.AskLetGo, r.AskControls, r.AskCancel, r.AskEmptyQueue, r.AskSet, r.AskMarker),
     *(r.AskNote, r.AskMistake, r.AskLock, r.AskUnrecorded, r.AskEnd),
 )

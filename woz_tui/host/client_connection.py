@@ -21,7 +21,6 @@ from woz_tui.gate.table import FeatureGate
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import (
-    AskAssign,
     AskCheck,
     AskEnd,
     AskMarker,
@@ -30,7 +29,6 @@ from woz_tui.protocol.requests import (
     AskRelease,
     AskSet,
     AskStop,
-    AskTrial,
     Hello,
     Reply,
     Request,
@@ -93,9 +91,7 @@ REQUESTS_A_TURN, TURN_S = 8, 0.005
 #: Bytes of requests that are read ahead, to find a stop behind them.
 READ_AHEAD = 1 << 20
 #: What is carried out although its sender has left: the stop, the end, and what the log is for.
-CARRIED_OUT_AFTER_LEAVING = (
-    *(AskStop, AskEnd, AskMarker, AskNote, AskMistake, AskSet, AskAssign, AskTrial, AskCheck),
-)
+CARRIED_OUT_AFTER_LEAVING = (*(AskStop, AskEnd, AskMarker, AskNote, AskMistake, AskSet, AskCheck),)
 
 
 @cache

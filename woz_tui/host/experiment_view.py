@@ -120,7 +120,7 @@ class ExperimentView:
             session.locked,
             session.features.facts(),
             session.values(),
-            study_snapshot(session.study.settings, session.state),
+            study_snapshot(session.state.study.settings, session.state),
         )
 
 

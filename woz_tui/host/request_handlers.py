@@ -39,7 +39,6 @@ from woz_tui.protocol.requesters import requester
 from woz_tui.protocol.requests import (
     AgedRequest,
     AskAction,
-    AskAssign,
     AskCancel,
     AskCheck,
     AskControls,
@@ -55,13 +54,11 @@ from woz_tui.protocol.requests import (
     AskPicture,
     AskPredict,
     AskPreflight,
-    AskProposal,
     AskRelease,
     AskReload,
     AskSet,
     AskSound,
     AskTalk,
-    AskTrial,
     AskUnrecorded,
     AskVerb,
     Reply,
@@ -80,7 +77,7 @@ NOT_OF_CLIENTS = frozenset(
     {"engagement", "replay", "phase", "midi", "gamepad", "stream-deck", "driver", "body"}
 )
 #: What takes its time, because it reads files or asks devices.
-Slow = AskReload | AskKeepTyped | AskPredict | AskPreflight | AskProposal
+Slow = AskReload | AskKeepTyped | AskPredict | AskPreflight
 #: So many of one kind may wait for each client, while the one before is worked on.
 SLOW_WAITING = 16
 
@@ -103,9 +100,9 @@ class RequestHandlers:
         self._pictures = PictureService(session)
         self._sound = SoundService(session)
         self._tasks = TaskSet("slow requests")
-        self._slow: dict[tuple[ClientConnection, type[Slow]], list[Slow]] = {}
+        self._slow: dict[tuple[ClientConnection, type[Request]], list[Request]] = {}
         self._reading = asyncio.Lock()  # what was read last is what counts
-        self._looking = asyncio.Lock()  # into the earlier logs, one after the other
+        self._looking = asyncio.Lock()  # features into files, one after the other
         #: Knows which keys drive only while they are held; of the server that has these handlers.
         self.switch: DeadManSwitch
         self.on_end: Callable[[str], None] = lambda reason: None
@@ -133,7 +130,7 @@ class RequestHandlers:
             self._pictures.answer(client, request)
         elif isinstance(request, AskSound | AskTalk):
             self._answer_sound(client, request)
-        elif isinstance(request, Slow):
+        elif isinstance(request, (Slow, *self._session.features.lookups)):
             self._answer_in_background(client, request)
         else:
             client.send(self._answer_at_once(client, request))
@@ -190,7 +187,7 @@ class RequestHandlers:
 
     def _carry_out(self, client: ClientConnection, request: Request) -> str:
         """Carry `request` out; the id of the run or command that it has begun."""
-        session, study = self._session, self._session.study
+        session = self._session
         run, stale, tells = "", self._stale(request), self._tells(client)
         match request:
             case AskAction(action=action, source=source, key=key, when_busy=when_busy):
@@ -225,12 +222,8 @@ class RequestHandlers:
             case AskEnd(reason=reason):
                 session.end_tells = tells
                 self.on_end(reason)
-            case AskAssign(participant=participant, order=order):
-                study.assign(participant, order, self._by(client))
-            case AskTrial(what=what, text=text):
-                study.trial(what, text, tells)
             case AskCheck(check=check, ok=ok, text=text):
-                study.check(check, ok, text, client.role)
+                session.tick(check, ok, text, client.role)
             case _:
                 asks = Client(client.name, client.role, self._by(client), tells, stale)
                 run = session.features.carry_out(request, asks)
@@ -242,8 +235,7 @@ class RequestHandlers:
 
     def _tells(self, client: ClientConnection) -> tuple[str, ...]:
         """What words of this client may tell: one that sees all may write of the condition."""
-        design = self._session.experiment.study.design
-        blinds = design is not None and bool(design.blind)
+        blinds = bool(self._session.state.study.settings.blind)
         return ("condition",) if blinds and client.view is None else ()
 
     def _verb(self, client: ClientConnection, request: AskVerb, stale: str) -> str:
@@ -337,7 +329,7 @@ class RequestHandlers:
 
     # -- what takes its time -----------------------------------------------------------------
 
-    def _answer_in_background(self, client: ClientConnection, request: Slow) -> None:
+    def _answer_in_background(self, client: ClientConnection, request: Request) -> None:
         """One of a kind at a time for each client; what waits for one that left is dropped."""
         waiting = self._slow.get((client, type(request)))
         if waiting is None:
@@ -349,7 +341,7 @@ class RequestHandlers:
             reason = f"too many requests of this kind are waiting ({SLOW_WAITING})"
             client.refuse(request.ref, reason, "wait for their answers")
 
-    async def _work_off(self, client: ClientConnection, kind: type[Slow]) -> None:
+    async def _work_off(self, client: ClientConnection, kind: type[Request]) -> None:
         waiting = self._slow[client, kind]
         while waiting and not client.closed.done():
             request = waiting[0]
@@ -361,7 +353,7 @@ class RequestHandlers:
                 client.send(replace(reply, ref=each.ref))
         del self._slow[client, kind]
 
-    async def _reply(self, client: ClientConnection, request: Slow) -> Reply:
+    async def _reply(self, client: ClientConnection, request: Request) -> Reply:
         #: Lines that may tell the condition, and what stands for them where it is kept.
         instead: dict[str, str] = {}
         try:
@@ -390,17 +382,16 @@ class RequestHandlers:
 
     async def _data(
         self,
-        request: AskReload | AskKeepTyped | AskPreflight | AskProposal,
+        request: Request,
         instead: dict[str, str],
     ) -> Json:
         if isinstance(request, AskPreflight):
             from woz_tui.session.preflight import preflight  # noqa: PLC0415 - asks the machine
 
             return _plain(await preflight(self._session))
-        if isinstance(request, AskProposal):
+        if not isinstance(request, AskKeepTyped | AskReload):
             async with self._looking:
-                study, participant = self._session.study, request.participant
-                return (await asyncio.to_thread(study.propose, participant)).data()
+                return await asyncio.to_thread(self._session.features.look_up, request)
         async with self._reading:
             if isinstance(request, AskKeepTyped):
                 return await self._keep_typed(request.dry_run)

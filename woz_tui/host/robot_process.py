@@ -256,7 +256,7 @@ async def _serve(
             text = f"nobody knows which codes were withdrawn: {doubt}"
             session.hub.publish(m.Notice(level="warning", text=text))
         if not options.kind:
-            await _assign_proposed(session)
+            await session.features.prepare()
         host.listen(listener)
         if options.listen:
             remote = _let_in(options.listen, host)
@@ -323,26 +323,6 @@ def _let_in(address: str, host: SessionServer) -> RemoteAccess:
 
     hub.listen(adopt, m.ExperimentReloaded)
     return remote
-
-
-async def _assign_proposed(session: Session) -> None:
-    """Give the participant of the command line the order that the start dialog would propose;
-    whoever names a condition there has chosen.
-    """
-    who, study = session.identity, session.study
-    if not who.participant or who.condition or session.experiment.study.design is None:
-        return
-    try:
-        proposal = await asyncio.to_thread(study.propose, who.participant)
-        study.assign(who.participant, [*proposal.order])
-    except RequestError as error:
-        session.hub.publish(
-            m.Notice(
-                level="warning",
-                text=f"{who.participant} has no order of conditions: {error.reason}",
-                remedy=error.hint or "choose the participant again",
-            )
-        )
 
 
 def _note_participant(participants: set[str], message: m.SessionChanged) -> None:

@@ -44,6 +44,8 @@ class Request(
     aged: ClassVar[bool] = False
     #: Whether it plays something, so that the reply to a refusal names what is in the log.
     plays: ClassVar[bool] = False
+    #: Its field that names a condition, or several; a blind wizard's has labels.
+    conditions_in: ClassVar[str] = ""
     ref: int = 0
     sent_us: int = 0
 
@@ -217,6 +219,7 @@ class AskPredict(Request, frozen=True, kw_only=True, tag="predict"):
 class AskSet(Request, frozen=True, kw_only=True, tag="set"):
     """Set the participant, the condition or the trial."""
 
+    conditions_in = "condition"
     participant: str | None = None
     condition: str | None = None
     trial: int | None = None
@@ -300,6 +303,7 @@ class AskProposal(Request, frozen=True, kw_only=True, tag="proposal"):
 class AskAssign(Request, frozen=True, kw_only=True, tag="assign"):
     """This participant gets the conditions in this order: as proposed, or otherwise."""
 
+    conditions_in = "order"
     participant: str
     order: list[str]
 

@@ -154,7 +154,7 @@ def _identity(session: Session) -> Finding:
         missing.append("condition")
     if missing:
         return Finding("warning", "session", f"no {' and no '.join(missing)} set", "choose it")
-    condition = session.study.label(identity.condition)
+    condition = session.state.study.label(identity.condition)
     return Finding("ok", "session", f"{identity.participant} {condition}".strip())
 
 

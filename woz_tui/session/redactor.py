@@ -206,11 +206,12 @@ class Redactor:
 
     def request(self, request: r.Request) -> r.Request:
         """A request with the conditions for which its labels stand."""
-        match request:
-            case r.AskSet(condition=str(label)) if label in self._names:
-                return replace(request, condition=self._names[label])
-            case r.AskAssign(order=order) if self.blind:
-                return replace(request, order=[self._names.get(label, label) for label in order])
+        named = getattr(request, request.conditions_in, None) if self.blind else None
+        if isinstance(named, str):
+            return replace(request, **{request.conditions_in: self._names.get(named, named)})
+        if isinstance(named, list):
+            names = [self._names.get(label, label) for label in named]
+            return replace(request, **{request.conditions_in: names})
         return request
 
     # -- what is sent beside the stream -----------------------------------------------------------

@@ -11,6 +11,7 @@ import logging
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Any, Literal
 
 import msgspec
@@ -37,7 +38,6 @@ from woz_tui.protocol.requesters import WIZARD
 from woz_tui.sensing.own_voice import ROBOT_SPEECH
 from woz_tui.session.action_runner import ActionRunner, LastAct
 from woz_tui.session.action_texts import ActionTexts, ComposedCall, missing_value_error, utterances
-from woz_tui.session.condition_proposal import Owed
 from woz_tui.session.driver_context import OnCompletion
 from woz_tui.session.driver_faults import DriverFaults
 from woz_tui.session.driver_manager import DriverManager, make_drivers, motionless
@@ -48,13 +48,14 @@ from woz_tui.session.prediction import Forecaster, Kept, predicted
 from woz_tui.session.recent_messages import RecentMessages, unlisted
 from woz_tui.session.session_driver import VERBS, SessionPerformer
 from woz_tui.session.session_features import SessionFeatures
-from woz_tui.session.session_start import publish_reload, publish_start
-from woz_tui.session.study_control import StudyController
+from woz_tui.session.session_plan import study_settings
+from woz_tui.session.session_start import publish_perception, publish_reload, publish_start
 from woz_tui.session.typed_actions import with_sentence, with_typed
-from woz_tui.session.variables import MissingValueError, VariableValues
+from woz_tui.session.variables import MissingValueError, VariableValues, with_condition
 from woz_tui.session.verb_description import describe
 from woz_tui.system.clock import Clock, Standstill, timestamp
 from woz_tui.timeline import episodes as e
+from woz_tui.timeline.feature_history import Owed
 from woz_tui.timeline.session_state import SessionState
 
 #: Seconds between two lines that tie the session's clock to the calendar.
@@ -117,16 +118,7 @@ class Session:
         )
         folder = self.recorder.folder
         self.engagement = EngagementController(robot, self.state, self.locked, folder)
-        self.study = StudyController(
-            self.hub,
-            self.state,
-            read=lambda: self.experiment,
-            identity=lambda: self.identity,
-            set_trial=self.set,
-            allow_next=self._allow_next,
-            tell_owed=self._tell_owed,
-            logs=(folder, self.recorder.path.parent),
-        )
+        self.state.study.settings = study_settings(self.experiment)
         self.faults = DriverFaults(self.hub, self.clock)
         self.drivers = make_drivers(
             self.experiment,
@@ -195,7 +187,9 @@ class Session:
         """Let every driver look for its hardware; none of them can fail the session."""
         self.faults.begin(self.drivers)
         self.engagement.begin()
-        self.study.begin()
+        perception = self.experiment.study.perception
+        if perception.hide or perception.blur:
+            publish_perception(self.hub, self.experiment)
         self.features.begin()
         await self._driver_manager.open()
         self.texts.publish_all()
@@ -215,7 +209,6 @@ class Session:
         for timer in self._timers.values():
             timer.cancel()
         self.features.close()
-        self.study.close()
         self.runner.stop_waiting("the session ends")
         await self.bus.drain(1.0)
         if rest and not self.bus.latched:
@@ -254,10 +247,15 @@ class Session:
 
     # -- actions -----------------------------------------------------------------------------
 
+    @property
+    def logs(self) -> tuple[Path, Path]:
+        """The folders with the logs of earlier sessions and with that of this one."""
+        return self.recorder.folder, self.recorder.path.parent
+
     def values(self) -> VariableValues:
         """The variables' present values."""
         own = {**self.experiment.variables, **self.identity.values(), **self.engagement.values()}
-        return self.study.filled(own)
+        return with_condition(own, self.experiment.by_condition, self.identity.condition)
 
     def play(
         self,
@@ -702,16 +700,10 @@ class Session:
             return
         self.features.begin_anew(participant=self.identity.participant != before[0])
 
-    def _allow_next(self) -> None:
-        """Raises `RequestError` while a feature lets neither another trial nor participant come."""
-        self.features.allow_next()
-
-    def _tell_owed(self, participant: str, owed: Owed) -> None:
-        """Tells what a participant has yet to do from earlier sessions."""
-        self.features.tell_owed(participant, owed)
-
     def _set(self, participant: str | None, condition: str | None, trial: int | None) -> None:
-        self.study.allow(participant, other_trial=trial not in (None, self.identity.trial))
+        another = participant not in (None, self.state.study.participant)
+        if another or trial not in (None, self.identity.trial):
+            self.allow_next()
         if participant is not None and participant != self.identity.participant:
             check_not_withdrawn(participant, self.withdrawn)
         self.identity = self.identity.changed(self.experiment, participant, condition, trial)
@@ -719,6 +711,14 @@ class Session:
             m.SessionChanged(participant=participant, condition=condition, trial=trial)
         )
         self._prepare()
+
+    def allow_next(self) -> None:
+        """Raise `RequestError` unless another participant or trial can begin now."""
+        self.features.allow_next()
+
+    def tell_owed(self, participant: str, owed: Owed) -> None:
+        """Tell what a participant has yet to do from earlier sessions."""
+        self.features.tell_owed(participant, owed)
 
     def _set_verb(self, args: Mapping[str, m.Json]) -> None:
         checked: Mapping[str, Any] = args  # by the bus
@@ -730,6 +730,17 @@ class Session:
         if panel not in {known.title for known in self.experiment.panels}:
             raise RequestError(f"there is no panel {panel!r}")
         self.set_lock(panel, locked, "")
+
+    def tick(self, check: str, ok: bool, text: str, source: str) -> None:
+        """Tick a line of the file's preflight list, or take the tick away."""
+        known = self.experiment.study.preflight
+        if check not in known:
+            raise RequestError(
+                f"the preflight list has no {check!r}",
+                f"there are {', '.join(known)}" if known else "the file has none: preflight: [...]",
+            )
+        level = "ok" if ok else "warning"
+        self.hub.publish(m.PreflightChecked(check=check, level=level, detail=text, source=source))
 
     def set_lock(self, panel: str, locked: bool, source: str) -> None:
         """The same of a panel that is there; `source`: what does it, where no hand does."""
@@ -760,7 +771,10 @@ class Session:
             self.bus.offer(spec.name, spec.offer.verbs)
         self.runner.deadline = experiment.session.deadline
         publish_reload(self.hub, experiment, changes, telling)
-        self.study.adopt()
+        old, study = self.state.study.settings, study_settings(experiment)
+        self.state.study.settings = study
+        if old.perception != study.perception:
+            publish_perception(self.hub, experiment)
         self.texts.publish_all()
         for panel in experiment.panels:
             if before.get(panel.title) is not panel.locked:

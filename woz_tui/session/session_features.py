@@ -7,6 +7,7 @@ import logging
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any, ClassVar, Protocol, TypeVar, cast
 
 from woz_tui.bus.bus import Bus
@@ -25,9 +26,9 @@ from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.protocol.requests import Request
 from woz_tui.session.action_runner import ActionRunner
 from woz_tui.session.action_texts import ActionTexts, ComposedCall
-from woz_tui.session.condition_proposal import Owed
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.timeline.episodes import Episode
+from woz_tui.timeline.feature_history import Owed
 from woz_tui.timeline.session_state import SessionState
 
 log = logging.getLogger(__name__)
@@ -71,6 +72,10 @@ class FeatureSession(Protocol):
     def facts(self) -> Facts:
         """What holds now, for the gate."""
 
+    @property
+    def logs(self) -> Sequence[Path]:
+        """The folders with the logs of earlier sessions and with that of this one."""
+
     def why_no_verb(self, call: Call, origin: RequestOrigin) -> Refusal | None:
         """Why this hand may not send it at the moment; None: it may."""
 
@@ -94,6 +99,20 @@ class FeatureSession(Protocol):
         of it.
         """
 
+    def set(
+        self,
+        participant: str | None = None,
+        condition: str | None = None,
+        trial: int | None = None,
+    ) -> None:
+        """Set participant, condition or trial. Raises `RequestError`."""
+
+    def allow_next(self) -> None:
+        """Raise `RequestError` unless another participant or trial can begin now."""
+
+    def tell_owed(self, participant: str, owed: Owed) -> None:
+        """Tell what a participant has yet to do from earlier sessions."""
+
     def set_lock(self, panel: str, locked: bool, source: str) -> None:
         """Lock or unlock a panel; `source`: what does, where no hand does."""
 
@@ -109,6 +128,8 @@ class SessionFeature:
     requests: ClassVar[tuple[type[Request], ...]] = ()
     #: What `carry_out_ask` is given, by `Ask.what`.
     asks: ClassVar[tuple[str, ...]] = ()
+    #: What `look_up` is given.
+    lookups: ClassVar[tuple[type[Request], ...]] = ()
     #: What is called with each kind of message, as a method. The session's state has heard it.
     hears: ClassVar[Mapping[type[m.Message], Callable[[Any, Any], object]]] = {}
     #: The same with each kind of episode, as it begins and when it has ended, before anybody hears
@@ -129,6 +150,11 @@ class SessionFeature:
 
     def begin(self) -> None:
         """The session begins; drivers look for their hardware."""
+
+    async def prepare(self) -> None:
+        """The session has begun, and nobody has joined it: this may wait. Not where nobody takes
+        part in it.
+        """
 
     def close(self) -> None:
         """The session ends; what it still says may be said."""
@@ -157,6 +183,12 @@ class SessionFeature:
 
     def after_play(self) -> None:
         """An action was played or refused, and what happened with that at once is in the log."""
+
+    def look_up(self, request: Any) -> m.Json:
+        """What the reply's `data` holds, where that is to be read from files. Called in a thread of
+        its own, one request after the other; what it raises is the answer.
+        """
+        raise RequestError(f"{type(request).__name__} cannot be used here")
 
     def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str | None:
         """Play an action of its own that has no steps; the run's id, or None: it is not its own.
@@ -228,7 +260,7 @@ F = TypeVar("F", bound=SessionFeature)
 _FAILED = "\0"
 #: Where features are asked or told something; those that have nothing to do there are passed by.
 _HOOKS = (
-    *("begin", "close", "play", "after_play", "adopt", "hold", "drop", "begin_anew"),
+    *("begin", "prepare", "close", "play", "after_play", "adopt", "hold", "drop", "begin_anew"),
     *("allow_next", "tell_owed", "front", "fact", "findings"),
 )
 
@@ -242,6 +274,8 @@ class SessionFeatures:
         self._names: dict[type[SessionFeature], str] = {}
         self._answering: dict[type[Request], str] = {}
         self._asked: dict[str, str] = {}
+        #: What is looked up.
+        self.lookups: tuple[type[Request], ...] = ()
         #: Those that have something to do at each of the hooks, in their order.
         self._with: dict[str, dict[str, SessionFeature]] = {hook: {} for hook in _HOOKS}
         #: What features that have failed said last of the moment: they go on forbidding it.
@@ -255,8 +289,9 @@ class SessionFeatures:
 
     def _add(self, name: str, kind: type[SessionFeature]) -> None:
         feature = self._all[name] = kind(self._session)
-        self._answering |= dict.fromkeys(kind.requests, name)
         self._asked |= dict.fromkeys(kind.asks, name)
+        self._answering |= dict.fromkeys((*kind.requests, *kind.lookups), name)
+        self.lookups += kind.lookups
         for hook, having in self._with.items():
             if getattr(kind, hook) is not getattr(SessionFeature, hook):
                 having[name] = feature
@@ -315,6 +350,14 @@ class SessionFeatures:
         for name, feature in [*self._with["begin"].items()]:
             self._safely(name, feature.begin, None)
 
+    async def prepare(self) -> None:
+        """Nobody has joined the session yet."""
+        for name, feature in [*self._with["prepare"].items()]:
+            try:
+                await feature.prepare()
+            except Exception as error:  # noqa: BLE001 - of others: the session goes on without it
+                self._fail(name, error)
+
     def close(self) -> None:
         """The session ends: first for those that use others."""
         for name, feature in reversed([*self._with["close"].items()]):
@@ -337,10 +380,7 @@ class SessionFeatures:
 
     def carry_out(self, request: Request, client: Client) -> str:
         """Do what is asked of a feature; the id of what it has begun. Raises `RequestError`."""
-        name = self._answering.get(type(request))
-        feature = self._all.get(name or "")
-        if name is None or feature is None:
-            raise RequestError(f"{type(request).__name__} cannot be used here")
+        name, feature = self._whose(request)
         run = self._answer(name, feature.carry_out, _FAILED, request, client)
         if run is _FAILED:
             raise RequestError(f"{name} failed and is not used any more", IN_HOST_LOG)
@@ -358,6 +398,18 @@ class SessionFeatures:
         """An action was played or refused, and what happened with that at once is in the log."""
         for name, feature in [*self._with["after_play"].items()]:
             self._safely(name, feature.after_play, None)
+
+    def look_up(self, request: Request) -> m.Json:
+        """What a feature reads of files for it; called in a thread. Raises what that raises."""
+        _, feature = self._whose(request)
+        return feature.look_up(request)
+
+    def _whose(self, request: Request) -> tuple[str, SessionFeature]:
+        name = self._answering.get(type(request), "")
+        feature = self._all.get(name)
+        if feature is None:
+            raise RequestError(f"{type(request).__name__} cannot be used here")
+        return name, feature
 
     def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str:
         """Have a feature play an action of its own that has no steps; the run's id. Raises
@@ -434,13 +486,16 @@ class SessionFeatures:
             return call(*args)
         except RequestError:
             raise
-        except Exception as error:
-            log.exception("the feature %s failed", name)
-            self._give_up(name)
-            # Without the error's words: they may tell what is kept from some.
-            text = f"{name} failed and is not used any more ({type(error).__name__})"
-            self._session.hub.publish(m.Notice(level="error", text=text, remedy=IN_HOST_LOG))
+        except Exception as error:  # noqa: BLE001 - of others: the session goes on without it
+            self._fail(name, error)
             return otherwise
+
+    def _fail(self, name: str, error: Exception) -> None:
+        log.error("the feature %s failed", name, exc_info=error)
+        self._give_up(name)
+        # Without the error's words: they may tell what is kept from some.
+        text = f"{name} failed and is not used any more ({type(error).__name__})"
+        self._session.hub.publish(m.Notice(level="error", text=text, remedy=IN_HOST_LOG))
 
     def _give_up(self, name: str) -> None:
         """Ask it no more, and offer none of its verbs; what its rows of the gate forbid now stays

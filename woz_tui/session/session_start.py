@@ -53,6 +53,12 @@ def publish_reload(
     _publish_left_out(hub, experiment)
 
 
+def publish_perception(hub: Hub, experiment: Experiment) -> None:
+    """Say what is kept from the wizard from here on."""
+    perception = experiment.study.perception
+    hub.publish(m.PerceptionChanged(hidden=[*perception.hide], blurred=[*perception.blur]))
+
+
 def _publish_left_out(hub: Hub, experiment: Experiment) -> None:
     """Tell what this robot does not do of a file that is written for another one."""
     short = [action for action in experiment.actions if action.left_out]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from woz_tui.config.experiment import Call, TextVariants
-from woz_tui.config.utterance_template import HIDDEN_TEXT, fill, names
+from woz_tui.config.utterance_template import HIDDEN_TEXT, VISITOR, fill, names
 from woz_tui.protocol.messages import Json
 
 #: Chooses one of the variants.
@@ -124,6 +124,19 @@ def _value(name: str, values: VariableValues) -> str:
         why = values.why.get(name, "")
         raise MissingValueError(f"{{{name}}} has no value yet{why and ': '}{why}", name)
     return text
+
+
+def with_condition(
+    values: Mapping[str, str], texts: Mapping[str, Mapping[str, str]], condition: str
+) -> VariableValues:
+    """`values`, and the variables that depend on the condition: their `texts` by condition."""
+    now, why = by_condition(texts, condition, values)
+    tells: dict[str, tuple[str, ...]]
+    tells = {"condition": ("condition",), VISITOR: ("identity",)}
+    for name, found in texts.items():
+        whose = any(VISITOR in names(text) for text in found.values())
+        tells[name] = ("condition", "identity") if whose else ("condition",)
+    return VariableValues({**now, **values}, why, tells)
 
 
 def by_condition(

@@ -75,3 +75,7 @@ class FeatureHistory:
             if type(value) is dict:
                 setattr(other, name, value.copy())
         return other
+
+
+#: What a participant has yet to do, by the class that says so.
+Owed = Mapping[type[FeatureHistory], tuple[str, ...]]

@@ -137,6 +137,11 @@ class StudyState:
         place = (trial - 1) // self.trials if self.trials and trial > 0 else -1
         return self.order[place] if 0 <= place < len(self.order) else ""
 
+    def label(self, condition: str) -> str:
+        """What a blind wizard reads instead of it; `?` if the file no longer names it."""
+        blind = self.settings.blind
+        return blind.get(condition, "?") if blind else condition
+
     def ticked(self, check: str) -> bool:
         """Whether this line of the preflight list is in order."""
         return check in self.checks and self.checks[check].level == "ok"

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.session.rig import SessionRig, experiment
+from tests.session.study_rig import trial_control
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Design, Study
 from woz_tui.features.phases.history import next_phase
@@ -135,16 +136,16 @@ def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session = rig.session
         assert phases_of(session).name == ""
-        session.study.assign("P01", ["warm", "cold"])
+        trial_control(session).assign("P01", ["warm", "cold"])
         assert phases_of(session).name == ""
-        session.study.trial("begin", "")
+        trial_control(session).trial("begin", "")
         assert phases_of(session).name == "opening"
         phases_of(session).go_on("", KEY)
         assert [*phases_of(session).locked] == ["Speech"]
-        session.study.trial("done", "")
+        trial_control(session).trial("done", "")
         assert phases_of(session).name == ""
         session.play("Hello", KEY, "queue")
-        session.study.trial("begin", "")
+        trial_control(session).trial("begin", "")
         assert refusal_reason(session, "closing")
 
     rig = on_stage(tmp_path, scenario, Study(design=Design()))
@@ -156,11 +157,11 @@ def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
 def test_with_a_design_no_phase_begins_outside_a_trial(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         session, between = rig.session, "phases begin with a trial"
-        session.study.assign("P01", ["warm", "cold"])
+        trial_control(session).assign("P01", ["warm", "cold"])
         assert refusal_reason(session) == between
-        session.study.trial("begin", "")
+        trial_control(session).trial("begin", "")
         phases_of(session).go_on("", KEY)
-        session.study.trial("done", "")
+        trial_control(session).trial("done", "")
         assert refusal_reason(session, "opening") == between
         assert next_phase(session.state, PARTS) is None  # the screen offers none
 
@@ -202,7 +203,7 @@ def test_a_reload_keeps_the_phase_where_it_still_is(tmp_path: Path) -> None:
 def test_without_phases_nothing_is_said_of_them(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         rig.session.set(participant="P01", condition="warm")
-        rig.session.study.trial("begin", "")
+        trial_control(rig.session).trial("begin", "")
         assert refusal_reason(rig.session) == "the experiment has no phases"
 
     rig = on_stage(tmp_path, scenario, phases=())

@@ -8,15 +8,15 @@ import pytest
 
 from tests.features.questionnaires.rig import on_stage
 from tests.session.rig import SessionRig
-from tests.session.study_rig import had, log
+from tests.session.study_rig import had, log, trial_control
 from woz_tui.features.questionnaires.kinds import QuestionnaireEnded
 from woz_tui.protocol import messages as m
 from woz_tui.session.participant_identity import SessionIdentity
 
 
 def assign_participant(rig: SessionRig, participant: str = "P01") -> None:
-    order = [*rig.session.study.propose(participant).order]
-    rig.session.study.assign(participant, order)
+    order = [*trial_control(rig.session).propose(participant).order]
+    trial_control(rig.session).assign(participant, order)
 
 
 @pytest.mark.parametrize("answered", [False, True])

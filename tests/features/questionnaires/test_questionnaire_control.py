@@ -8,7 +8,7 @@ import pytest
 
 from tests.features.questionnaires.rig import due, history, on_stage, questionnaires
 from tests.session.rig import SessionRig
-from tests.session.study_rig import short_messages
+from tests.session.study_rig import short_messages, trial_control
 from woz_tui.features.questionnaires.history import DueQuestionnaire
 from woz_tui.features.questionnaires.kinds import (
     AskAnswer,
@@ -24,13 +24,13 @@ ROUND = (QuestionnaireStarted, QuestionnaireAnswered, QuestionnaireEnded)
 
 def trials(rig: SessionRig, *outcomes: str) -> None:
     for outcome in outcomes:
-        rig.session.study.trial("begin", "")
-        rig.session.study.trial(outcome, "")
+        trial_control(rig.session).trial("begin", "")
+        trial_control(rig.session).trial(outcome, "")
 
 
 def begin_questionnaire(rig: SessionRig) -> None:
-    order = [*rig.session.study.propose("P01").order]
-    rig.session.study.assign("P01", order)
+    order = [*trial_control(rig.session).propose("P01").order]
+    trial_control(rig.session).assign("P01", order)
 
 
 def ask(rig: SessionRig, name: str, what: str = "begin", source: str = "wizard") -> None:
@@ -47,9 +47,9 @@ def test_what_is_due_after_which_trial(tmp_path: Path) -> None:
         begin_questionnaire(rig)
         seen = []
         for outcome in ("aborted", "done", "excluded", "done", "done"):
-            rig.session.study.trial("begin", "")
+            trial_control(rig.session).trial("begin", "")
             assert due(rig) == []
-            rig.session.study.trial(outcome, "")
+            trial_control(rig.session).trial(outcome, "")
             seen.append([*due(rig)])
         assert seen == [
             [],
@@ -159,7 +159,7 @@ def test_what_cannot_be_asked(tmp_path: Path) -> None:
         assert why(rig, "last", "done") == ("the questionnaire 'last' is not open; 'ux' is")
         assert why(rig, "ux", "done") == "1 item has no answer yet: pleasant; "
         with pytest.raises(RequestError, match="the questionnaire 'ux' is open"):
-            rig.session.study.assign("P01", ["warm", "cold"])
+            trial_control(rig.session).assign("P01", ["warm", "cold"])
         ask(rig, "ux", "declined")
         assert "ux" in history(rig).had
 
@@ -198,11 +198,11 @@ def test_a_round_that_was_left_stays_due_and_begins_anew(tmp_path: Path) -> None
 def test_a_questionnaire_by_hand_inside_a_trial_belongs_to_it(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         begin_questionnaire(rig)
-        rig.session.study.trial("begin", "")
+        trial_control(rig.session).trial("begin", "")
         ask(rig, "whenever")
-        rig.session.study.trial("done", "")
+        trial_control(rig.session).trial("done", "")
         with pytest.raises(RequestError, match="the questionnaire 'whenever' is open"):
-            rig.session.study.trial("begin", "")
+            trial_control(rig.session).trial("begin", "")
 
     rig = on_stage(tmp_path, scenario)
     assert short_messages(rig, QuestionnaireStarted) == ["questionnaire.started 1 whenever"]
@@ -216,6 +216,6 @@ def test_the_next_participant_begins_with_nothing_due(tmp_path: Path) -> None:
         ask(rig, "ux", "declined")
         rig.session.set("P02")
         assert (due(rig), {*history(rig).had}) == ([], set())
-        assert rig.session.study.state.next_trial == 1
+        assert rig.session.state.study.next_trial == 1
 
     on_stage(tmp_path, scenario)

@@ -9,7 +9,7 @@ import pytest
 
 from tests.features.questionnaires.rig import due, history, on_stage, questionnaires
 from tests.session.rig import SessionRig
-from tests.session.study_rig import STUDY, short_messages
+from tests.session.study_rig import STUDY, short_messages, trial_control
 from woz_tui.config.study import Design
 from woz_tui.features.questionnaires.history import DueQuestionnaire
 from woz_tui.protocol import messages as m
@@ -17,14 +17,14 @@ from woz_tui.protocol.refusal import RequestError
 
 
 def assign_participant(rig: SessionRig, participant: str = "P01") -> None:
-    order = [*rig.session.study.propose(participant).order]
-    rig.session.study.assign(participant, order)
+    order = [*trial_control(rig.session).propose(participant).order]
+    trial_control(rig.session).assign(participant, order)
 
 
 def trials(rig: SessionRig, *outcomes: str) -> None:
     for outcome in outcomes:
-        rig.session.study.trial("begin", "")
-        rig.session.study.trial(outcome, "")
+        trial_control(rig.session).trial("begin", "")
+        trial_control(rig.session).trial(outcome, "")
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def test_what_was_due_is_so_no_more_once_the_next_trial_has_begun(tmp_path: Path
         assign_participant(rig)
         trials(rig, "done")
         assert due(rig) == [DueQuestionnaire("each", 1)]
-        rig.session.study.trial("begin", "")
+        trial_control(rig.session).trial("begin", "")
         assert due(rig) == []
 
     on_stage(tmp_path, scenario)
@@ -96,7 +96,7 @@ def test_the_number_of_the_trial_can_be_said(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         assign_participant(rig)
         trials(rig, "done")
-        rig.session.study.trial("begin", "")
+        trial_control(rig.session).trial("begin", "")
         assert rig.session.values()["trial"] == "2"
 
     on_stage(tmp_path, scenario)
@@ -104,7 +104,7 @@ def test_the_number_of_the_trial_can_be_said(tmp_path: Path) -> None:
 
 def test_whoever_is_through_keeps_the_last_condition(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        study = rig.session.study
+        study = trial_control(rig.session)
         assign_participant(rig)
         trials(rig, *["done"] * 4)
         assign_participant(rig)
@@ -115,7 +115,7 @@ def test_whoever_is_through_keeps_the_last_condition(tmp_path: Path) -> None:
 
 def test_a_proposal_of_the_file_as_it_was_is_no_proposal(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        study = rig.session.study
+        study = trial_control(rig.session)
         order = [*study.propose("P01").order]
         design = Design(order="fixed", trials=3)
         rig.session.adopt(
@@ -131,9 +131,9 @@ def test_a_proposal_of_the_file_as_it_was_is_no_proposal(tmp_path: Path) -> None
 def test_nobody_gets_another_order_while_a_trial_is_under_way(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         assign_participant(rig)
-        rig.session.study.trial("begin", "")
+        trial_control(rig.session).trial("begin", "")
         with pytest.raises(RequestError, match="trial 1 is running"):
-            rig.session.study.assign("P01", ["cold", "warm"])
+            trial_control(rig.session).assign("P01", ["cold", "warm"])
 
     assert short_messages(on_stage(tmp_path, scenario), m.ConditionsAssigned) == [
         "condition.assigned"
@@ -143,8 +143,8 @@ def test_nobody_gets_another_order_while_a_trial_is_under_way(tmp_path: Path) ->
 def test_where_everybody_gets_one_condition_one_is_assigned(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError, match="each participant gets one condition"):
-            rig.session.study.assign("P01", ["warm", "cold"])
-        rig.session.study.assign("P01", ["cold"])
+            trial_control(rig.session).assign("P01", ["warm", "cold"])
+        trial_control(rig.session).assign("P01", ["cold"])
         trials(rig, "done", "done")
         assert [each.questionnaire for each in due(rig)] == [*("each", "ux", "last")]
 

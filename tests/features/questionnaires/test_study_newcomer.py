@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from tests.features.questionnaires.rig import history, on_stage, questionnaires
 from tests.session.rig import SessionRig
+from tests.session.study_rig import trial_control
 from woz_tui.features.questionnaires.history import QuestionnaireHistory
 from woz_tui.features.questionnaires.kinds import (
     AskAnswer,
@@ -36,7 +37,7 @@ STEPS = st.one_of(
 
 def take(rig: SessionRig, step: str, what: str) -> None:
     """One step, or nothing if it is refused."""
-    study = rig.session.study
+    study = trial_control(rig.session)
     asking = history(rig).questionnaire
     with contextlib.suppress(RequestError):
         match step:
@@ -55,7 +56,7 @@ def take(rig: SessionRig, step: str, what: str) -> None:
             case "assign":
                 study.assign(what, ["cold", "warm"])
             case "tick":
-                study.check(what, True, "", "wizard")
+                rig.session.tick(what, True, "", "wizard")
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -72,7 +73,7 @@ def test_the_state_for_newcomers_tells_all(tmp_path: Path, steps: list[tuple[str
             live, late = rig.session.state, SessionState()
             for message in live.messages():
                 late.apply(message)
-            study_settings = late.study.settings = rig.session.study.settings
+            study_settings = late.study.settings = rig.session.state.study.settings
             assert study_snapshot(study_settings, late) == study_snapshot(study_settings, live)
             asked, known = (each.history(QuestionnaireHistory) for each in (live, late))
             assert known.had == asked.had

@@ -13,6 +13,7 @@ from tests.features.profiles.test_profiles import NOT
 from tests.features.profiles.test_profiles import on_stage as with_profile
 from tests.session.rig import SessionRig, with_script
 from tests.session.study_rig import on_stage as in_study
+from tests.session.study_rig import trial_control
 from tests.session.test_another_robot import TEXT, staged
 from tests.session.test_driver_requests import RequestOutcome, from_a_thread
 from tests.session.test_superseding import ACTIONS, ends, scene
@@ -97,13 +98,13 @@ def test_the_script_begins_anew_with_trial_and_participant(tmp_path: Path) -> No
 
         session.set(participant="P01", condition="warm")
         await play()
-        session.study.trial("begin", "")
+        trial_control(session).trial("begin", "")
         await play()
         await play()
-        session.study.trial("done", "")
-        session.study.trial("begin", "")
+        trial_control(session).trial("done", "")
+        trial_control(session).trial("begin", "")
         await play()
-        session.study.trial("done", "")
+        trial_control(session).trial("done", "")
         session.set(participant="P02")
         await play()
         session.set(condition="cold")

@@ -17,8 +17,8 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import PARTICIPANT
 from woz_tui.protocol.welcome import LONGEST, QuestionnaireItem
-from woz_tui.session.condition_proposal import Owed
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
+from woz_tui.timeline.feature_history import Owed
 
 
 class QuestionnaireController(SessionFeature):

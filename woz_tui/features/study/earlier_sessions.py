@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 
 from woz_tui.config.study_words import OVER
+from woz_tui.features.study.condition_proposal import ParticipantHistory
 from woz_tui.log.file_names import FileName, session_code
 from woz_tui.log.line_order import seq_of
 from woz_tui.log.log_files import files_of, first_line
@@ -22,7 +23,6 @@ from woz_tui.log.sessions import sessions_in
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
-from woz_tui.session.condition_proposal import ParticipantHistory
 from woz_tui.timeline.episodes import EpisodeOutcome
 from woz_tui.timeline.session_state import SessionState
 

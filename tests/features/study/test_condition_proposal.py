@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from woz_tui.config.counterbalancing import block_size, rows
 from woz_tui.config.study import Design
-from woz_tui.session.condition_proposal import ConditionProposal, ParticipantHistory, propose
+from woz_tui.features.study.condition_proposal import ConditionProposal, ParticipantHistory, propose
 
 CONDITIONS = ("a", "b", "c", "d")
 DESIGNS = st.builds(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -12,10 +12,7 @@ import msgspec
 from woz_tui.config.counterbalancing import Order, block_size, order_at, planned, rows
 from woz_tui.config.study import Design
 from woz_tui.protocol.messages import Json
-from woz_tui.timeline.feature_history import FeatureHistory
-
-#: What a participant has yet to do, by the class that says so.
-Owed = Mapping[type[FeatureHistory], tuple[str, ...]]
+from woz_tui.timeline.feature_history import FeatureHistory, Owed
 
 
 @dataclass

@@ -24,14 +24,14 @@ from woz_tui.config.study import Design
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
-from woz_tui.protocol.messages import Json
-from woz_tui.session.condition_proposal import (
+from woz_tui.features.study.condition_proposal import (
     ConditionProposal,
     DesignUsage,
     ParticipantHistory,
     propose,
 )
-from woz_tui.session.earlier_sessions import EarlierParticipants, EarlierSessions
+from woz_tui.features.study.earlier_sessions import EarlierParticipants, EarlierSessions
+from woz_tui.protocol.messages import Json
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120

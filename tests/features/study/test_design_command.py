@@ -13,7 +13,8 @@ import pytest
 from tests.config.catalogue import CATALOGUE
 from tests.config.reading import HEAD, HELLO, panel
 from tests.session.study_rig import had, log
-from woz_tui.cli import check, design
+from woz_tui.cli import check
+from woz_tui.features.study import command
 
 FILE = panel(
     HELLO,
@@ -32,9 +33,9 @@ def designed(folder: Path, *options: str, text: str = FILE) -> int:
     path = folder / "e.yaml"
     path.write_text(text, encoding="utf-8")
     parser = argparse.ArgumentParser()
-    design.add(parser)
+    command.add(parser)
     given = [str(path), "--recordings", str(folder / "recordings"), *options]
-    return design.design(parser.parse_args(given), CATALOGUE)
+    return command.design(parser.parse_args(given), CATALOGUE)
 
 
 def logs(folder: Path) -> None:
@@ -153,7 +154,7 @@ def test_how_many_participants_there_can_be(
     assert "is not a whole number from 1 to 1000" in capsys.readouterr().err
 
 
-STUDY = (Path(__file__).parents[1] / "config" / "good" / "study.yaml").read_text()
+STUDY = (Path(__file__).parents[2] / "config" / "good" / "study.yaml").read_text()
 
 
 def checked(folder: Path, text: str, *options: str) -> int:

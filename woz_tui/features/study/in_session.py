@@ -1,112 +1,79 @@
-"""Carries out what concerns the study: conditions, trials, breaks, preflight ticks.
+"""Conditions and trials of a session: who gets which, when one begins and ends, and breaks.
 
 Every change is a message; what follows from them is the timeline's. Refusals are `RequestError`s.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import asyncio
 from dataclasses import replace
-from pathlib import Path
 
-from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.study import Design
-from woz_tui.config.utterance_template import VISITOR, names
+from woz_tui.features.study.condition_proposal import ConditionProposal, propose
+from woz_tui.features.study.earlier_sessions import EarlierSessions
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import WIZARD
-from woz_tui.session.condition_proposal import ConditionProposal, Owed, propose
-from woz_tui.session.earlier_sessions import EarlierSessions
-from woz_tui.session.participant_identity import SessionIdentity, check_condition, check_participant
-from woz_tui.session.session_plan import study_settings
-from woz_tui.session.variables import VariableValues, by_condition
-from woz_tui.timeline.session_state import SessionState
+from woz_tui.protocol.requests import AskAssign, AskProposal, AskTrial
+from woz_tui.session.participant_identity import check_condition, check_participant
+from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 
 #: Where the wizard chose the order, and no design did.
 BY_HAND = "hand"
 
 
-class StudyController:
-    """The study of a session.
+class TrialController(SessionFeature):
+    """Conditions and trials of a session."""
 
-    Args:
-        hub: Where everything is published.
-        state: What holds in the session.
-        read: Gives the experiment as its file was read last.
-        identity: Gives who takes part, and under which condition.
-        set_trial: Sets participant, condition and trial; None leaves one as it is.
-        allow_next: Raises `RequestError` while something is under way into which neither another
-            trial nor another participant may come.
-        tell_owed: Tells what a participant has yet to do from earlier sessions.
-        logs: The folders with the logs of earlier sessions and with that of this one.
-    """
+    requests = (AskAssign, AskTrial)
+    lookups = (AskProposal,)
 
-    def __init__(
-        self,
-        hub: Hub,
-        state: SessionState,
-        *,
-        read: Callable[[], Experiment],
-        identity: Callable[[], SessionIdentity],
-        set_trial: Callable[[str | None, str | None, int | None], None],
-        allow_next: Callable[[], None],
-        tell_owed: Callable[[str, Owed], None],
-        logs: Iterable[Path],
-    ) -> None:
-        self._hub, self._read = hub, read
-        self._identity, self._set_trial = identity, set_trial
-        #: What holds, and what the file says.
-        self.state = state.study
-        self.settings = self.state.settings = study_settings(read())
-        self._earlier = EarlierSessions(*logs)
+    def __init__(self, session: FeatureSession) -> None:
+        super().__init__(session)
+        self.state = session.state.study
+        self._earlier = EarlierSessions(*session.logs)
         self._proposed: dict[str, ConditionProposal] = {}
-        self._allow_next, self._tell_owed = allow_next, tell_owed
+
+    def carry_out(self, request: AskAssign | AskTrial, client: Client) -> str:
+        if isinstance(request, AskAssign):
+            self.assign(request.participant, request.order, client.by)
+        else:
+            self.trial(request.what, request.text, client.tells)
+        return ""
+
+    def look_up(self, request: AskProposal) -> m.Json:
+        return self.propose(request.participant).data()
 
     # -- beginning and ending ----------------------------------------------------------------------
 
-    def begin(self) -> None:
-        """Say what is kept from the wizard, if the file keeps anything."""
-        study = self._read().study
-        if study.perception.hide or study.perception.blur:
-            self._publish_perception()
+    async def prepare(self) -> None:
+        """Give the participant of the command line the order that the start dialog would propose;
+        whoever names a condition there has chosen.
+        """
+        who = self.session.identity
+        if not who.participant or who.condition or self.session.experiment.study.design is None:
+            return
+        try:
+            proposal = await asyncio.to_thread(self.propose, who.participant)
+            self.assign(who.participant, [*proposal.order])
+        except RequestError as error:
+            self.session.hub.publish(
+                m.Notice(
+                    level="warning",
+                    text=f"{who.participant} has no order of conditions: {error.reason}",
+                    remedy=error.hint or "choose the participant again",
+                )
+            )
 
-    def adopt(self) -> None:
-        """Go on with a changed file; what is under way goes on as it began."""
-        old, new = self.settings, study_settings(self._read())
-        self.settings = self.state.settings = new
+    def adopt(self, experiment: Experiment) -> None:
+        """What is under way goes on as it began."""
         self._proposed.clear()
-        if old.perception != new.perception:
-            self._publish_perception()
 
     def close(self) -> None:
-        """The session ends: so does what is under way."""
+        """What is under way ends with the session."""
         self._end_break("the session ended")
         self._end_trial("aborted", "the session ended")
-
-    def _publish_perception(self) -> None:
-        perception = self._read().study.perception
-        self._hub.publish(
-            m.PerceptionChanged(hidden=[*perception.hide], blurred=[*perception.blur])
-        )
-
-    # -- values ------------------------------------------------------------------------------------
-
-    def filled(self, values: Mapping[str, str]) -> VariableValues:
-        """`values`, and the variables that depend on the condition."""
-        texts = self._read().by_condition
-        now, why = by_condition(texts, self._identity().condition, values)
-        tells: dict[str, tuple[str, ...]]
-        tells = {"condition": ("condition",), VISITOR: ("identity",)}
-        for name, found in texts.items():
-            whose = any(VISITOR in names(text) for text in found.values())
-            tells[name] = ("condition", "identity") if whose else ("condition",)
-        return VariableValues({**now, **values}, why, tells)
-
-    def label(self, condition: str) -> str:
-        """What a blind wizard reads instead of a condition; `?` if the file no longer names it."""
-        blind = self.settings.blind
-        return blind.get(condition, "?") if blind else condition
 
     # -- conditions --------------------------------------------------------------------------------
 
@@ -114,10 +81,10 @@ class StudyController:
         """The order for this participant, from what the logs say. Reads files: to be called from a
         thread of its own, one at a time.
         """
-        experiment = self._read()
+        experiment = self.session.experiment
         design = self._design()
         check_participant(participant, experiment.participant_pattern)
-        found = self._earlier.read(experiment.title, experiment.path.name, self.settings)
+        found = self._earlier.read(experiment.title, experiment.path.name, self.state.settings)
         proposal = propose(participant, design, experiment.conditions, found.past)
         if found.unreadable:
             left_out = f"; not counted because they cannot be read: {', '.join(found.unreadable)}"
@@ -126,7 +93,7 @@ class StudyController:
         return proposal
 
     def _design(self) -> Design:
-        design = self._read().study.design
+        design = self.session.experiment.study.design
         if design is None:
             raise RequestError(
                 "the file has no design",
@@ -138,16 +105,16 @@ class StudyController:
         """This participant gets the conditions in this order, from the next trial on. `by`: who
         says so.
         """
-        design, experiment = self._design(), self._read()
+        design, experiment = self._design(), self.session.experiment
         check_participant(participant, experiment.participant_pattern)
-        self._between_trials()
+        self.session.allow_next()
         _check_order(order, design, experiment.conditions)
         proposal = self._proposed.get(participant)
         as_proposed = proposal if proposal and [*proposal.order] == order else None
         trial = as_proposed.trial if as_proposed else 1
         place = min((trial - 1) // design.trials, len(order) - 1)
-        self._set_trial(participant, order[place] if order else None, trial)
-        self._hub.publish(
+        self.session.set(participant, order[place] if order else None, trial)
+        self.session.hub.publish(
             m.ConditionsAssigned(
                 participant=participant,
                 order=order,
@@ -159,19 +126,13 @@ class StudyController:
             )
         )
         if as_proposed:
-            self._tell_owed(participant, as_proposed.owed)
+            self.session.tell_owed(participant, as_proposed.owed)
 
-    def allow(self, participant: str | None, *, other_trial: bool = False) -> None:
-        """Raises `RequestError` if the participant, or the trial's number, cannot change now."""
-        if other_trial or participant not in (None, self.state.participant):
-            self._between_trials()
-
-    def _between_trials(self) -> None:
+    def allow_next(self) -> None:
         if (trial := self.state.trial) is not None:
             raise RequestError(
                 f"trial {trial.started.trial} is running", "end it first", command="trial"
             )
-        self._allow_next()
 
     # -- trials and breaks -------------------------------------------------------------------------
 
@@ -183,7 +144,7 @@ class StudyController:
             case "break":
                 if self.state.in_break is not None:
                     raise RequestError("a break is already running")
-                self._hub.publish(m.BreakStarted(text=text, tells=tells))
+                self.session.hub.publish(m.BreakStarted(text=text, tells=tells))
             case "resume":
                 if self.state.in_break is None:
                     raise RequestError("no break is running")
@@ -198,7 +159,7 @@ class StudyController:
         state = self.state
         if not state.participant:
             raise RequestError("no participant is set", "choose one first", command="start")
-        self._between_trials()
+        self.session.allow_next()
         number = state.next_trial
         if state.all_over:
             raise RequestError(
@@ -207,7 +168,7 @@ class StudyController:
                 command="start",
             )
         condition = state.condition_of(number) or state.condition
-        conditions = self._read().conditions
+        conditions = self.session.experiment.conditions
         if conditions and not condition:
             raise RequestError(
                 "no condition is set", "choose the participant's order first", command="start"
@@ -219,34 +180,25 @@ class StudyController:
                 " old name and read the file again",
                 command="start",
             )
-        identity = self._identity()
+        identity = self.session.identity
         if (identity.condition, identity.trial) != (condition, number):
             changed = condition if condition != identity.condition else None
-            self._set_trial(None, changed, number)
+            self.session.set(None, changed, number)
         self._end_break("")
-        self._hub.publish(m.TrialStarted(trial=number, condition=condition, planned=state.planned))
+        self.session.hub.publish(
+            m.TrialStarted(trial=number, condition=condition, planned=state.planned)
+        )
 
     def _end_trial(self, outcome: str, text: str, tells: tuple[str, ...] = ()) -> None:
         if (trial := self.state.trial) is not None:
             number = trial.started.trial
-            self._hub.publish(m.TrialEnded(trial=number, outcome=outcome, text=text, tells=tells))
+            self.session.hub.publish(
+                m.TrialEnded(trial=number, outcome=outcome, text=text, tells=tells)
+            )
 
     def _end_break(self, text: str, tells: tuple[str, ...] = ()) -> None:
         if self.state.in_break is not None:
-            self._hub.publish(m.BreakEnded(text=text, tells=tells))
-
-    # -- preflight ---------------------------------------------------------------------------------
-
-    def check(self, check: str, ok: bool, text: str, source: str) -> None:
-        """Tick a line of the file's list, or take the tick away."""
-        known = [each.check for each in self.settings.preflight]
-        if check not in known:
-            raise RequestError(
-                f"the preflight list has no {check!r}",
-                f"there are {', '.join(known)}" if known else "the file has none: preflight: [...]",
-            )
-        level = "ok" if ok else "warning"
-        self._hub.publish(m.PreflightChecked(check=check, level=level, detail=text, source=source))
+            self.session.hub.publish(m.BreakEnded(text=text, tells=tells))
 
 
 def _check_order(order: list[str], design: Design, conditions: tuple[str, ...]) -> None:

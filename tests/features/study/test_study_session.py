@@ -19,6 +19,7 @@ from tests.session.study_rig import (
     renamed,
     short_messages,
     study_experiment,
+    trial_control,
 )
 from woz_tui.config.study import PerceptionLimits, Study
 from woz_tui.gate.questions import RequestOrigin
@@ -50,18 +51,18 @@ def refusal_reason(rig: SessionRig, *asks: str) -> str:
     """Why a trial's ask is refused."""
     with pytest.raises(RequestError) as caught:
         for what in asks:
-            rig.session.study.trial(what, "")
+            trial_control(rig.session).trial(what, "")
     return f"{caught.value.reason}; {caught.value.hint}".rstrip("; ")
 
 
 def assign_participant(rig: SessionRig, participant: str = "P01") -> None:
-    order = [*rig.session.study.propose(participant).order]
-    rig.session.study.assign(participant, order)
+    order = [*trial_control(rig.session).propose(participant).order]
+    trial_control(rig.session).assign(participant, order)
 
 
 def test_a_whole_participant(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        study = rig.session.study
+        study = trial_control(rig.session)
         assign_participant(rig)
         assert study.state.planned == 4
         for what in ("begin", "done", "begin", "aborted", "begin", "excluded", "break", "resume"):
@@ -105,10 +106,10 @@ def test_the_condition_of_a_trial_is_set_before_it_begins(tmp_path: Path) -> Non
     async def scenario(rig: SessionRig) -> None:
         assign_participant(rig)
         for what in ("begin", "done", "begin", "done"):
-            rig.session.study.trial(what, "")
+            trial_control(rig.session).trial(what, "")
         rig.session.set(condition="warm")
         rig.session.play("Greet", KEY)
-        rig.session.study.trial("begin", "")
+        trial_control(rig.session).trial("begin", "")
         await asyncio.sleep(2)
         rig.session.play("Greet", KEY)
 
@@ -128,13 +129,13 @@ def test_a_condition_that_is_not_in_the_file_any_more_begins_no_trial_and_is_not
     """The one that holds already, and one that comes next."""
 
     async def scenario(rig: SessionRig) -> None:
-        rig.session.study.assign("P01", order)
+        trial_control(rig.session).assign("P01", order)
         for _ in range(over):
-            rig.session.study.trial("begin", "")
-            rig.session.study.trial("done", "")
+            trial_control(rig.session).trial("begin", "")
+            trial_control(rig.session).trial("done", "")
         rig.session.adopt(renamed(tmp_path), [])
         with pytest.raises(RequestError) as caught:
-            rig.session.study.trial("begin", "")
+            trial_control(rig.session).trial("begin", "")
         assert caught.value.command == "start"
         said = f"{caught.value.reason}; {caught.value.hint}"
         assert "P01" in said
@@ -153,7 +154,7 @@ def test_behind_a_trial_out_of_turn_comes_the_first_that_is_not_over(tmp_path: P
     )
 
     async def scenario(rig: SessionRig) -> None:
-        study = rig.session.study
+        study = trial_control(rig.session)
         assign_participant(rig)
         assert study.state.next_trial == 2
         for number, following in ((4, 2), (2, 3), (1, 3), (3, 5)):
@@ -174,7 +175,7 @@ def test_a_reload_leaves_the_trials_of_the_participant_who_is_there(
     design = replace(STUDY.design, trials=trials) if STUDY.design and trials else None
 
     async def scenario(rig: SessionRig) -> None:
-        study = rig.session.study
+        study = trial_control(rig.session)
         study.assign("P01", ["warm", "cold"])
         for _ in range(3):
             study.trial("begin", "")
@@ -193,7 +194,7 @@ def test_a_reload_leaves_the_trials_of_the_participant_who_is_there(
 
 def test_refusals(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        study = rig.session.study
+        study = trial_control(rig.session)
         assert refusal_reason(rig, "begin") == "no participant is set; choose one first"
         rig.session.set("P05")
         assert (
@@ -236,7 +237,7 @@ def test_orders_that_cannot_be_assigned(
 ) -> None:
     async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError) as caught:
-            rig.session.study.assign(participant, order)
+            trial_control(rig.session).assign(participant, order)
         assert caught.value.reason == reason
 
     rig = on_stage(tmp_path, scenario)
@@ -245,9 +246,9 @@ def test_orders_that_cannot_be_assigned(
 
 def test_an_order_other_than_the_proposed_one_was_chosen_by_hand(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        rig.session.study.propose("P01")
-        rig.session.study.assign("P01", ["cold", "warm"])
-        rig.session.study.trial("begin", "")
+        trial_control(rig.session).propose("P01")
+        trial_control(rig.session).assign("P01", ["cold", "warm"])
+        trial_control(rig.session).trial("begin", "")
 
     rig = on_stage(tmp_path, scenario)
     (line,) = (line for line in rig.of(m.ConditionsAssigned))
@@ -259,7 +260,7 @@ def test_a_proposal_says_which_logs_could_not_be_read(tmp_path: Path) -> None:
     (tmp_path / "recordings" / "2026-02-01T10-00-00_S01.jsonl").mkdir(parents=True)
 
     async def scenario(rig: SessionRig) -> None:
-        assert rig.session.study.propose("P01").why == (
+        assert trial_control(rig.session).propose("P01").why == (
             "row 1 of 2: least used so far (0 participants);"
             " not counted because they cannot be read: 2026-02-01T10-00-00_S01.jsonl"
         )
@@ -270,11 +271,11 @@ def test_a_proposal_says_which_logs_could_not_be_read(tmp_path: Path) -> None:
 def test_without_a_design_there_is_nothing_to_propose_but_trials_count(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         with pytest.raises(RequestError, match="the file has no design"):
-            rig.session.study.propose("P01")
+            trial_control(rig.session).propose("P01")
         with pytest.raises(RequestError, match="the file has no design"):
-            rig.session.study.assign("P01", [])
+            trial_control(rig.session).assign("P01", [])
         for what in ("begin", "done", "begin", "aborted", "begin"):
-            rig.session.study.trial(what, "")
+            trial_control(rig.session).trial(what, "")
 
     who = SessionIdentity(participant="P07", condition="warm")
     rig = on_stage(tmp_path, scenario, Study(), who)
@@ -294,13 +295,13 @@ def test_who_comes_again_goes_on_in_the_next_session(tmp_path: Path) -> None:
     )
 
     async def scenario(rig: SessionRig) -> None:
-        proposal = rig.session.study.propose("P02")
+        proposal = trial_control(rig.session).propose("P02")
         assert (proposal.condition, proposal.trial, proposal.row) == ("warm", 4, 1)
-        assert rig.session.study.propose("P01").row == 0
-        rig.session.study.assign("P02", ["cold", "warm"])
-        rig.session.study.trial("begin", "")
-        rig.session.study.trial("done", "")
-        assert rig.session.study.propose("P02").trial == 5
+        assert trial_control(rig.session).propose("P01").row == 0
+        trial_control(rig.session).assign("P02", ["cold", "warm"])
+        trial_control(rig.session).trial("begin", "")
+        trial_control(rig.session).trial("done", "")
+        assert trial_control(rig.session).propose("P02").trial == 5
 
     rig = on_stage(tmp_path, scenario)
     assert short_messages(rig, m.TrialStarted) == ["trial.started 4 warm"]
@@ -312,11 +313,11 @@ def test_who_comes_again_goes_on_in_the_next_session(tmp_path: Path) -> None:
 def test_no_number_is_set_while_a_trial_runs(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         assign_participant(rig)
-        rig.session.study.trial("begin", "")
+        trial_control(rig.session).trial("begin", "")
         with pytest.raises(RequestError, match="trial 1 is running"):
             rig.session.set(trial=3)
         rig.session.set(trial=1)
-        rig.session.study.trial("done", "")
+        trial_control(rig.session).trial("done", "")
         rig.session.set(trial=3)
 
     assert short_messages(on_stage(tmp_path, scenario), m.TrialStarted) == ["trial.started 1 warm"]
@@ -327,7 +328,7 @@ def test_participants_of_this_very_session_count(tmp_path: Path) -> None:
         rows = []
         for number in range(1, 5):
             assign_participant(rig, f"P0{number}")
-            rows.append(rig.session.study.state.assigned)
+            rows.append(rig.session.state.study.assigned)
         assert [row.row for row in rows if row is not None] == [0, 1, 0, 1]
 
     on_stage(tmp_path, scenario)
@@ -340,7 +341,7 @@ def test_earlier_participants_count_where_the_log_begins_in_another_folder(tmp_p
 
     async def scenario(rig: SessionRig) -> None:
         assert rig.recorder.path.parent == tmp_path / "more"
-        study = rig.session.study
+        study = trial_control(rig.session)
         assert study.propose("P01").trial == 2
         assign_participant(rig, "P02")
         assert [study.propose(who).row for who in ("P02", "P03")] == [1, 0]
@@ -354,7 +355,7 @@ def test_a_break_inside_a_trial_ends_with_it_and_one_before_it_when_it_begins(
     async def scenario(rig: SessionRig) -> None:
         assign_participant(rig)
         for what in ("begin", "break", "done", "break", "begin", "break"):
-            rig.session.study.trial(what, "")
+            trial_control(rig.session).trial(what, "")
 
     rig = on_stage(tmp_path, scenario)
     ending = ["break.ended", "trial.ended 1 done", "break.started", "break.ended"]
@@ -372,7 +373,7 @@ def test_a_break_inside_a_trial_ends_with_it_and_one_before_it_when_it_begins(
 def test_what_is_under_way_ends_before_the_session_does(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         assign_participant(rig)
-        rig.session.study.trial("begin", "")
+        trial_control(rig.session).trial("begin", "")
 
     rig = on_stage(tmp_path, scenario)
     (trial_ended,) = (line for line in rig.of(m.TrialEnded))
@@ -446,16 +447,16 @@ def test_a_blind_wizard_is_shown_labels_and_no_text_that_tells(tmp_path: Path) -
 
 def test_the_preflight_list_is_ticked_by_hand_and_filled_by_the_robot(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
-        study = rig.session.study
-        study.check("the door is shut", True, "", "wizard")
-        study.check("the camera sees the table", True, "", "wizard")
-        study.check("the camera sees the table", False, "moved", "wizard")
+        study = trial_control(rig.session)
+        rig.session.tick("the door is shut", True, "", "wizard")
+        rig.session.tick("the camera sees the table", True, "", "wizard")
+        rig.session.tick("the camera sees the table", False, "moved", "wizard")
         with pytest.raises(RequestError) as caught:
-            study.check("the door", True, "", "wizard")
+            rig.session.tick("the door", True, "", "wizard")
         assert "there are the door is shut, the camera" in caught.value.hint
         found = await preflight(rig.session)
         assert {finding.subject for finding in found} < {*study.state.checks}
-        assert study_snapshot(study.settings, rig.session.state).preflight == [
+        assert study_snapshot(study.state.settings, rig.session.state).preflight == [
             PreflightCheck("the door is shut", ok=True),
             PreflightCheck("the camera sees the table", ok=False),
         ]

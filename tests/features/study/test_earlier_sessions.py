@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 
 from tests.session.study_rig import had, log
 from woz_tui.config.study import Design
+from woz_tui.features.study import earlier_sessions
+from woz_tui.features.study.condition_proposal import ParticipantHistory, propose
+from woz_tui.features.study.earlier_sessions import EarlierParticipants, EarlierSessions
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import WelcomeSettings
-from woz_tui.session import earlier_sessions
-from woz_tui.session.condition_proposal import ParticipantHistory, propose
-from woz_tui.session.earlier_sessions import EarlierParticipants, EarlierSessions
 
 ORDER = ("warm", "cold")
 

@@ -1,0 +1,17 @@
+"""Studies: which participant gets which conditions in which order, and their trials."""
+
+from woz_tui.feature import CommandLine, Feature
+
+
+class Study(Feature):
+    """A design proposes an order of conditions for each participant; trials begin and end."""
+
+    name = "study"
+    gate = "gate:GATE"
+    session = "in_session:TrialController"
+    command = CommandLine(
+        "design",
+        "show the order of conditions: used so far, and next",
+        module="command",
+        behind="convert",
+    )

@@ -1,0 +1,8 @@
+"""What of a study may be asked while the session ends, and what counts whoever has left."""
+
+from __future__ import annotations
+
+from woz_tui.gate.table import FeatureGate
+from woz_tui.protocol.requests import AskAssign, AskProposal, AskTrial
+
+GATE = FeatureGate(while_ending=(AskProposal,), after_leaving=(AskAssign, AskTrial))

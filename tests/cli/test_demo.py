@@ -16,6 +16,7 @@ from woz_tui.cli import demo
 from woz_tui.cli import run as run_command
 from woz_tui.config.bundled_files import bundled_file, robot_files
 from woz_tui.config.experiment import Experiment
+from woz_tui.config.feature_section import plans_trials
 from woz_tui.config.loading import load
 from woz_tui.config.robot_fit import fitted
 from woz_tui.drivers.plugins import installed
@@ -31,7 +32,7 @@ def test_a_demo_can_begin_as_it_would(robot: str) -> None:
     file = bundled_file(name)
     assert file is not None
     experiment = load(file, installed())
-    if experiment.study.design is not None:  # who comes, and what they get, is asked at the start
+    if plans_trials(experiment):  # who comes, and what they get, is asked at the start
         assert (condition, participant) == ("", "")
         return
     assert condition in (experiment.conditions or ("",))

@@ -182,8 +182,8 @@ def test_edits_of_the_study_can_be_taken_over(tmp_path: Path) -> None:
     assert not difference.drivers
     assert list(difference.changes) == [
         "variable 'greeting' changed",
-        "questionnaire 'again' changed",
         "design: trials 3, it was 2",
         "design: blind warm Lemon, cold Apple, none No, it was warm Lemon, cold Orange, none No",
+        "questionnaire 'again' changed",
         "perception: hide face, it was distance, face",
     ]

@@ -11,7 +11,6 @@ from tests.config.reading import HEAD, HELLO, errors, panel, read_experiment
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.config.study import (
-    Design,
     PerceptionLimits,
     Study,
 )
@@ -33,17 +32,6 @@ def test_a_file_without_these_sections_has_an_empty_study(tmp_path: Path) -> Non
     assert read_experiment(tmp_path, panel(HELLO)).study == Study()
 
 
-def test_the_design(whole: Experiment) -> None:
-    assert whole.study.design == Design(
-        order="latin-square",
-        within=True,
-        trials=2,
-        seed=7,
-        blind={"warm": "Lemon", "cold": "Orange", "none": "No"},
-    )
-    assert whole.warnings == ()
-
-
 def test_preflight_and_perception(whole: Experiment) -> None:
     assert whole.study.preflight == ("The camera sees the whole table", "No")
     assert whole.study.perception == PerceptionLimits(("distance", "face"), ("transcript",))
@@ -54,45 +42,6 @@ def test_variables_by_condition(whole: Experiment) -> None:
     assert whole.by_condition == {
         "greeting": {"warm": "Hello {participant}, in the {place}!", "cold": "Hello.", "none": "No"}
     }
-
-
-@pytest.mark.parametrize(
-    ("section", "order", "within"),
-    [
-        ("{}", "latin-square", True),
-        ("{within: no}", "blocks", False),
-        ("{within: no, order: fixed}", "fixed", False),
-        ("{order: blocks, block: 4}", "blocks", True),
-    ],
-)
-def test_who_gets_one_condition_gets_it_from_a_block(
-    tmp_path: Path, section: str, order: str, within: bool
-) -> None:
-    text = panel(HELLO, head=f"{HEAD}conditions: [warm, cold]\ndesign: {section}\n")
-    design = read_experiment(tmp_path, text).study.design
-    assert design is not None
-    assert (design.order, design.within) == (order, within)
-
-
-def test_a_design_of_trials_alone_needs_no_condition(tmp_path: Path) -> None:
-    text = panel(HELLO, head=f"{HEAD}design: {{order: fixed, trials: 3}}\n")
-    assert read_experiment(tmp_path, text).study.design == Design(order="fixed", trials=3)
-
-
-def labels(folder: Path, design: str) -> dict[str, str]:
-    head = f"{HEAD}conditions: [warm, cold, none, both]\ndesign: {design}\n"
-    found = read_experiment(folder, panel(HELLO, head=head)).study.design
-    assert found is not None
-    return dict(found.blind)
-
-
-def test_blind_makes_letters_that_do_not_tell_the_order(tmp_path: Path) -> None:
-    given = [labels(tmp_path, f"{{blind: true, seed: {seed}}}") for seed in range(12)]
-    assert all(sorted(each.values()) == ["A", "B", "C", "D"] for each in given)
-    assert all(list(each) == ["warm", "cold", "none", "both"] for each in given)
-    assert len({tuple(each.values()) for each in given}) > 6
-    assert labels(tmp_path, "{blind: true, seed: 3}") == given[3]
-    assert labels(tmp_path, "{blind: no}") == {}
 
 
 @pytest.mark.parametrize(

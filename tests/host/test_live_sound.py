@@ -16,7 +16,7 @@ from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.rig import WAIT_S, experiment
 from woz_tui.bus import bus
 from woz_tui.config.loading import load
-from woz_tui.config.study import Design, PerceptionLimits, Study
+from woz_tui.config.study import PerceptionLimits, Study
 from woz_tui.drivers.plugins import installed
 from woz_tui.drivers.sound_feeds import (
     LISTENED,
@@ -29,6 +29,8 @@ from woz_tui.drivers.sound_feeds import (
     SoundWindow,
     VoiceState,
 )
+from woz_tui.features.study.design import Design
+from woz_tui.features.study.section import DESIGN
 from woz_tui.host import sound_service
 from woz_tui.protocol import messages as m
 
@@ -130,7 +132,7 @@ async def test_a_blind_wizard_hears_no_words_that_tell_the_condition(
     tmp_path: Path, texts: dict[str, dict[str, str]]
 ) -> None:
     design = Design(blind={"warm": "A", "cold": "B"})
-    made = replace(experiment(tmp_path), study=Study(design=design), by_condition=texts)
+    made = replace(experiment(tmp_path), sections={DESIGN: design}, by_condition=texts)
     async with served_session(tmp_path, made=made) as host:
         window = microphone(host)
         peer = await host.connect()

@@ -13,7 +13,8 @@ from tests.host.rig import ServedSession, served_session
 from tests.host.test_programs import program
 from tests.session.rig import action, call, experiment, together, with_script
 from woz_tui.config.experiment import DriverSpec, Experiment, Panel, Wait
-from woz_tui.config.study import Design
+from woz_tui.features.study.design import Design
+from woz_tui.features.study.section import DESIGN
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import PROTOCOL
 
@@ -130,10 +131,10 @@ async def test_the_marks_come_as_they_were_foretold(tmp_path: Path) -> None:
 
 async def test_a_blind_wizard_gets_no_words_and_no_times(tmp_path: Path) -> None:
     made = simulated(tmp_path)
-    study = replace(made.study, design=Design(blind={"warm": "1", "cold": "2"}))
+    design = Design(blind={"warm": "1", "cold": "2"})
     made = replace(
         made,
-        study=study,
+        sections={**made.sections, DESIGN: design},
         by_condition={"greeting": {"warm": "How lovely", "cold": "Hello"}},
     )
     async with robot(tmp_path, made) as host:

@@ -13,7 +13,8 @@ import pytest
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.rig import HERE, action, call, experiment, together
 from woz_tui.config.experiment import Experiment, Panel, SessionSettings
-from woz_tui.config.study import Design
+from woz_tui.features.study.design import Design
+from woz_tui.features.study.section import DESIGN
 from woz_tui.protocol import messages as m
 
 #: Panel -> an action of it.
@@ -231,8 +232,8 @@ async def test_the_log_says_who_began_a_trial_and_who_ended_it(tmp_path: Path) -
 
 async def test_each_wizard_is_blind(tmp_path: Path) -> None:
     made = experiment_with_parts(tmp_path)
-    study = replace(made.study, design=Design(blind={"warm": "A", "cold": "B"}))
-    async with served_session(tmp_path, made=replace(made, study=study)) as host:
+    design = Design(blind={"warm": "A", "cold": "B"})
+    async with served_session(tmp_path, made=replace(made, sections={DESIGN: design})) as host:
         for part in ("voice", "body", ""):
             peer = await host.connect()
             assert (await peer.hello("wizard", part=part))["conditions"] == ["A", "B"]

@@ -11,8 +11,10 @@ import msgspec
 
 from tests.session.rig import SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Experiment
-from woz_tui.config.study import Design, PerceptionLimits, Study
+from woz_tui.config.study import PerceptionLimits, Study
+from woz_tui.features.study.design import Design
 from woz_tui.features.study.in_session import TrialController
+from woz_tui.features.study.section import DESIGN
 from woz_tui.log.disk import LogDisk
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
@@ -20,8 +22,8 @@ from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 
+PLANNED = Design(trials=2, blind={"warm": "A", "cold": "B"})
 STUDY = Study(
-    design=Design(trials=2, blind={"warm": "A", "cold": "B"}),
     preflight=("the door is shut", "the camera sees the table"),
     perception=PerceptionLimits(("distance",), ("transcript",)),
 )
@@ -31,7 +33,10 @@ GREETING = {"warm": "Hello {participant}!", "cold": "Hello."}
 
 
 def study_experiment(
-    tmp_path: Path, study: Study = STUDY, sections: Mapping[object, Any] = NO_FEATURES
+    tmp_path: Path,
+    study: Study = STUDY,
+    sections: Mapping[object, Any] = NO_FEATURES,
+    design: Design | None = PLANNED,
 ) -> Experiment:
     """The experiment of the rig with this study, and an action that differs by condition."""
     made = experiment(tmp_path)
@@ -42,7 +47,7 @@ def study_experiment(
         panels=(replace(speech, actions=(*speech.actions, greet)), *rest),
         by_condition={"greeting": GREETING},
         study=study,
-        sections=sections,
+        sections={**made.sections, DESIGN: design, **sections},
     )
 
 
@@ -55,7 +60,7 @@ def renamed(tmp_path: Path) -> Experiment:
     """The same, in which the condition `warm` is called `friendly`."""
     design = Design(trials=2, blind={"friendly": "A", "cold": "B"})
     return replace(
-        study_experiment(tmp_path, replace(STUDY, design=design)),
+        study_experiment(tmp_path, design=design),
         conditions=("friendly", "cold"),
         by_condition={"greeting": {"friendly": "Hi!", "cold": "Hello."}},
     )
@@ -69,9 +74,10 @@ def on_stage(
     *,
     disk: LogDisk | None = None,
     sections: Mapping[object, Any] = NO_FEATURES,
+    design: Design | None = PLANNED,
 ) -> SessionRig:
     """Plays the scenario in virtual time, then ends the session."""
-    made = study_experiment(tmp_path, study, sections)
+    made = study_experiment(tmp_path, study, sections, design)
     rig = SessionRig(tmp_path, identity=identity or SessionIdentity(), made=made, disk=disk)
     return rig.run(scenario, 1)
 

@@ -14,7 +14,8 @@ from msgspec import structs
 
 from tests.session.rig import SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Call, Experiment, TextVariants
-from woz_tui.config.study import Design, Study
+from woz_tui.features.study.design import Design
+from woz_tui.features.study.section import DESIGN
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
@@ -44,7 +45,7 @@ def make_experiment(folder: Path) -> Experiment:
         plain,
         panels=(replace(speech, actions=(*speech.actions, *more)), *rest),
         conditions=("warm", "cold"),
-        study=Study(design=Design(blind={"warm": "A", "cold": "B"})),
+        sections={DESIGN: Design(blind={"warm": "A", "cold": "B"})},
     )
 
 

@@ -19,6 +19,7 @@ from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.config import utterance_template
 from woz_tui.config.bundled_files import ROBOTS, is_path, robot_files
 from woz_tui.config.experiment import Experiment
+from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.file_position import ExperimentError, Problem
 from woz_tui.config.keys import LAYOUTS
 from woz_tui.config.languages import DEFAULT, shipped
@@ -27,7 +28,7 @@ from woz_tui.config.new_experiment import PAIR, TEMPLATES, Abilities, abilities_
 from woz_tui.config.robots import SIMULATED
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
-from woz_tui.feature import features
+from woz_tui.feature import features, pieces
 
 #: Asks a question and returns the answer; raises `EOFError` where nobody answers any more.
 Ask = Callable[[str], str]
@@ -172,16 +173,17 @@ def _print(path: Path, experiment: Experiment, abilities: Abilities) -> None:
     if not abilities.moves:
         print("  This robot has no gestures that the template knows; add `play: ...` yourself.")
     print("Next:")
+    read = pieces("section", FeatureSection)
     file = shlex.quote(str(path))
     for command, what in (
         (f"woz run {file}", "a session"),
         (f"woz check --keys {file}", "after each edit: what is wrong, and the keys"),
         *(
-            (f"woz {own.name} {file} {own.proposed[0]}", own.proposed[1])
-            for each in features().values()
+            (f"woz {own.name} {file} {own.proposed[0]}".rstrip(), own.proposed[1])
+            for name, each in features().items()
             if (own := each.command) is not None and own.proposed
+            if (section := read.get(name)) is None or section.proposes(section.of(experiment))
         ),
-        *(((f"woz design {file}", "who gets which condition"),) if experiment.study.design else ()),
     ):
         print(f"  {command:<{24 + len(file)}}  {what}")
 

@@ -286,7 +286,7 @@ class Experiment:
     sections: Mapping[object, Any] = field(default_factory=dict)
     #: How the robot tells whether somebody is with it; None: it does not.
     engagement: Engagement | None = None
-    #: The study around it: design, preflight.
+    #: The study around it: preflight, perception.
     study: Study = field(default_factory=Study)
     #: Every file that was read, for the hash and for watching.
     files: tuple[Path, ...] = ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from woz_tui.config.condition_texts import Variables
 from woz_tui.config.experiment import Action, Experiment, Panel, Step
@@ -41,6 +41,7 @@ class FileContents:
     place: FilePosition
     step: Callable[[Cursor, dict[str, Cursor], Cursor | None], Step | None]
     complete: bool = True
+    conditions: Sequence[str] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +77,8 @@ class FeatureSection(Generic[S]):
 
     #: Verbs that need no driver. Actions may name them, `Feature.performer` carries them out.
     verbs: tuple[Verb, ...] = ()
+    #: Whether `changes` may tell which condition is which.
+    tells_condition: ClassVar[bool] = False
 
     def __init__(self, keys: type, empty: S) -> None:
         self.keys = keys
@@ -146,11 +149,19 @@ class FeatureSection(Generic[S]):
         """The same without actions that the robot of a demo cannot play; these `actions` it can."""
         return section
 
-    def summary(self, section: S) -> Iterable[tuple[str, str]]:
+    def plans_trials(self, section: S) -> bool:
+        """Whether sessions have trials because of it: then no phase begins without one."""
+        return False
+
+    def proposes(self, section: S) -> bool:
+        """Whether `woz new` proposes the feature's command (`Feature.command`) with the file."""
+        return True
+
+    def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         """What `woz check` says of it: subjects and sentences."""
         return ()
 
-    def as_json(self, section: S) -> Mapping[str, Json]:
+    def as_json(self, experiment: Experiment) -> Mapping[str, Json]:
         """What `woz check --format json` says of it, beside what it says of the study."""
         return {}
 
@@ -167,3 +178,8 @@ class FeatureSection(Generic[S]):
 def sections() -> Iterable[FeatureSection[Any]]:
     """Of all features."""
     return pieces("section", FeatureSection).values()
+
+
+def plans_trials(experiment: Experiment) -> bool:
+    """Whether sessions of this file have trials."""
+    return any(section.plans_trials(section.of(experiment)) for section in sections())

@@ -25,7 +25,6 @@ from woz_tui.config.experiment_file import TOP_LEVEL, ActionEntry, ExperimentFil
 from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.robots import AT, NAMED, PROCESS
 from woz_tui.config.session_verbs import WAIT, engagement_verbs, session_verbs
-from woz_tui.config.study import Design
 from woz_tui.config.study_words import CUES
 from woz_tui.drivers import fields
 from woz_tui.drivers.contract import Argument, Driver, Verb
@@ -198,12 +197,8 @@ def experiment_schema(
     `tell` hears of drivers whose verbs are left out because nobody knows them.
     """
     verbs = _verbs(catalogue, tell)
-    design: Schema = settings_schema(Design)
-    # Who gets one condition gets it from a shuffled block, unless the file says otherwise.
-    del design["properties"]["order"]["default"]
     experiment = settings_schema(ExperimentFile)
     properties = experiment["properties"]
-    properties["design"] |= design
     experiment["properties"] = {name: properties[name] for name in TOP_LEVEL}
     return {
         "$schema": _DIALECT,

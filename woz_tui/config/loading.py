@@ -33,7 +33,7 @@ from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.robots import RobotReader, Robots, VerbOffer
 from woz_tui.config.sensor_names import check_shown, published_names
 from woz_tui.config.session_verbs import engagement_verbs, session_verbs
-from woz_tui.config.study_sections import StudyReferences, read_study
+from woz_tui.config.study_sections import read_study
 from woz_tui.config.verb_calls import Vocabulary
 from woz_tui.config.yaml_cursor import (
     Cursor,
@@ -192,6 +192,7 @@ class _ExperimentDecoder:
             root.place,
             steps.together,
             complete=not robots.incomplete,
+            conditions=conditions,
         )
         sections: dict[Any, Any] = {}  # by section
         for name, begun in reading.items():
@@ -201,7 +202,6 @@ class _ExperimentDecoder:
         reader = EngagementReader(vocabulary, steps, actions)
         engagement = reader.read(section) if section is not None else None
         playable = None if verb_names is None else verb_names | {panel.title for panel in read}
-        around = StudyReferences(conditions, playable)
         experiment = Experiment(
             title=file.title,
             path=self._path.absolute(),
@@ -223,7 +223,7 @@ class _ExperimentDecoder:
             steps=file.steps,
             sections=sections,
             engagement=engagement,
-            study=read_study(file, table, around),
+            study=read_study(file, table, playable),
             files=tuple(source.path.absolute() for source in self._sources),
             texts=tuple(source.text for source in self._sources),
             files_sha256=tuple(hashlib.sha256(source.data).hexdigest() for source in self._sources),

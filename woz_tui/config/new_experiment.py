@@ -184,7 +184,7 @@ def _text_lines(
         yield 'participants: {pattern: "P\\\\d\\\\d"}   # P01 ... P99: codes, never names'
         if conditions:
             yield f"conditions: {json.dumps(conditions, ensure_ascii=False)}"
-        if len(conditions) > 1:
+        if len(conditions) > 1 and "design" in TOP_LEVEL:
             yield _DESIGN
         if "questionnaires" in TOP_LEVEL:
             yield _QUESTIONNAIRE.format(when="condition" if len(conditions) > 1 else "trial")

@@ -38,8 +38,11 @@ class ReloadChanges:
 def compare(old: Experiment, new: Experiment) -> ReloadChanges:
     """The differences between two readings."""
     drivers = tuple(_drivers(old, new))
-    telling = (*_conditions(old, new), *_part("design", old.study, new.study))
-    return ReloadChanges((*drivers, *_rest(old, new)), drivers, telling)
+    telling = [*_conditions(old, new)]
+    for name, section in pieces("section", FeatureSection).items():
+        if section.tells_condition:
+            telling += answers_of(name, section.changes, section.of(old), section.of(new))
+    return ReloadChanges((*drivers, *_rest(old, new)), drivers, tuple(telling))
 
 
 def _drivers(old: Experiment, new: Experiment) -> Iterable[str]:
@@ -115,15 +118,9 @@ def _engagement(old: Engagement, new: Engagement) -> Iterable[str]:
 
 
 def _study(old: Study, new: Study) -> Iterable[str]:
-    """What is under way goes on: a participant's order."""
-    for part in ("design", "perception"):
-        yield from _part(part, old, new)
+    yield from changed_settings("perception", old.perception, new.perception)
     if old.answers != new.answers:
         yield "answers changed"
-
-
-def _part(part: str, old: Study, new: Study) -> Iterable[str]:
-    return changed_settings(part, getattr(old, part), getattr(new, part))
 
 
 def changed_settings(what: str, old: object | None, new: object | None) -> Iterable[str]:

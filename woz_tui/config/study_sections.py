@@ -1,134 +1,39 @@
 """The sections of an experiment file that are about the study, read into one `Study`.
 
-`design`, `preflight`, `perception`:
-
-design: {order: latin-square, trials: 3, blind: {warm: Lemon, cold: Orange}}
+`preflight`, `answers`, `perception`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Collection, Mapping
 
 from woz_tui.config.annotated_decoder import (
-    INVALID,
     Invalid,
-    read_settings,
     read_value,
 )
-from woz_tui.config.condition_texts import texts
-from woz_tui.config.counterbalancing import letters
 from woz_tui.config.problems import quoted
 from woz_tui.config.study import (
-    Design,
     PerceptionLimits,
     Study,
 )
 from woz_tui.config.study_words import CUES
 from woz_tui.config.yaml_cursor import (
     Cursor,
-    read_flag,
     texts_of,
 )
-from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
+from woz_tui.config.yaml_nodes import MappingNode
 from woz_tui.drivers.fields import NotEmpty, OneOrMore
 
-# -- design ----------------------------------------------------------------------------------------
 
-
-def read_design(cursor: Cursor | None, conditions: Sequence[str]) -> Design | None:
-    """The section, or None if there is none or it is wrong, which has been reported then."""
-    if cursor is None:
-        return None
-    if cursor.table("a mapping, such as {order: latin-square, trials: 3}") is None:
-        return None
-    entries = dict(cursor.entries())
-    settings: Any = read_settings(cursor, Design)
-    labels = _labels(
-        entries.get("blind"), conditions, settings.seed if settings is not INVALID else 0
-    )
-    if settings is INVALID:
-        return None
-    design: Design = replace(settings, blind=labels)
-    if not design.within and "order" not in entries:
-        design = replace(design, order="blocks")
-    for name, message in _problems(design, conditions):
-        entries.get(name, cursor).error(message)
-    return design
-
-
-def _problems(design: Design, conditions: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """What does not go together, each with the setting that is to blame."""
-    count = len(conditions)
-    if design.order == "latin-square" and not design.within:
-        yield (
-            "order",
-            "with one condition for each participant there is no order; write order: blocks",
-        )
-    elif count < 2 and (design.order != "fixed" or not design.within):
-        instead = f"write order: fixed{'' if design.within else ' without within: false'}"
-        yield "order", f"needs at least two conditions, not {count}; list more, or {instead}"
-    if design.block is not None and design.order != "blocks":
-        yield "block", "only order: blocks has blocks"
-    elif design.block is not None and count and design.block % count:
-        yield "block", f"must be a multiple of the number of conditions, {count}"
-
-
-def _labels(cursor: Cursor | None, conditions: Sequence[str], seed: int) -> dict[str, str]:
-    """What the wizard is told instead of each condition."""
-    if cursor is None:
-        return {}
-    if isinstance(cursor.node, ScalarNode):
-        if cursor.node.text.lower() not in ("true", "yes", "on", "false", "no", "off"):
-            cursor.wrong("true, or a label for each condition")
-            return {}
-        if not read_flag(cursor):
-            return {}
-        if not conditions:
-            cursor.error("hides the conditions, but the file has none; add conditions: [...]")
-        return letters(conditions, seed)
-    if not isinstance(cursor.node, MappingNode):
-        cursor.wrong("true, or a label for each condition")
-        return {}
-    labels = texts(cursor, conditions)
-    first: dict[str, str] = {}
-    for condition, entry in cursor.entries():
-        label = labels.get(condition)
-        if label is None:
-            continue
-        if not label.strip():
-            entry.error("is empty")
-        elif label in conditions:
-            entry.error(
-                f"{quoted(label)} is a condition's name; choose a label that does not reveal it"
-            )
-        elif label in first:
-            entry.error(f"{quoted(label)} is the label of {quoted(first[label])} already")
-        first.setdefault(label, condition)
-    return labels
-
-
-@dataclass(frozen=True, slots=True)
-class StudyReferences:
-    """What the sections refer to. `playable` (verbs and titles of panels): None where the robot
-    files are not right.
-    """
-
-    conditions: Sequence[str]
-    playable: Collection[str] | None
-
-
-def read_study(file: Study, table: Mapping[str, Cursor], around: StudyReferences) -> Study:
+def read_study(file: Study, table: Mapping[str, Cursor], playable: Collection[str] | None) -> Study:
     """All sections that `table`, the file's top level, has; `file`: as they stand there. What is
-    wrong has been reported.
+    wrong has been reported. `playable`: verbs and titles of panels; None where the robot files are
+    not right.
     """
-    design = read_design(table.get("design"), around.conditions)
     _check_perception(file.perception, table.get("perception"))
     return Study(
-        design=design,
         preflight=file.preflight,
-        answers=_answering(table.get("answers"), around.playable),
+        answers=_answering(table.get("answers"), playable),
         perception=file.perception,
     )
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-ORDERS = ("latin-square", "blocks", "fixed")
 #: What a cue is, to which a robot's answer may come too soon.
 CUES = ("speech", "engagement", "marker")
 #: What of the screen can be kept from the wizard; all but `transcript` can only be hidden.

@@ -129,7 +129,7 @@ def find_experiment(
 
 def was_blind(origin: ExperimentOrigin, experiment: Experiment) -> bool:
     """Whether a wizard of this study is blind to the condition: in the log, or by now."""
-    return origin.blind or bool(experiment.study.design and experiment.study.design.blind)
+    return origin.blind or bool(study_settings(experiment).blind)
 
 
 def redactor_of(origin: ExperimentOrigin, experiment: Experiment, *, reveal: bool) -> Redactor:

@@ -21,13 +21,10 @@ from woz_tui.timeline.session_state import SessionState
 def study_settings(experiment: Experiment) -> s.StudySettings:
     """What the file says; what became of it is in the stream's messages."""
     study = experiment.study
-    design = study.design
     of_features: dict[str, Any] = {}
     for section in pieces("section", FeatureSection).values():
         of_features |= section.study(section.of(experiment))
     return s.StudySettings(
-        design=s.DesignView(design.order, design.within, design.trials) if design else None,
-        blind=dict(design.blind) if design else {},
         preflight=[*map(s.PreflightCheck, study.preflight)],
         perception=s.PerceptionView([*study.perception.hide], [*study.perception.blur]),
         language=experiment.language,

@@ -12,11 +12,12 @@ import pytest
 from tests.session.rig import SessionRig, experiment
 from tests.session.study_rig import trial_control
 from woz_tui.config.experiment import Experiment
-from woz_tui.config.study import Design, Study
 from woz_tui.features.phases.history import next_phase
 from woz_tui.features.phases.in_session import PhaseController
 from woz_tui.features.phases.kinds import PhaseChanged
 from woz_tui.features.phases.section import PHASES, Phase
+from woz_tui.features.study.design import Design
+from woz_tui.features.study.section import DESIGN
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
@@ -33,10 +34,10 @@ PARTS = (
 def on_stage(
     tmp_path: Path,
     scenario: Callable[[SessionRig], Awaitable[None]],
-    study: Study = Study(),  # noqa: B008 - frozen
+    design: Design | None = None,
     phases: tuple[Phase, ...] = PARTS,
 ) -> SessionRig:
-    made = replace(experiment(tmp_path), sections={PHASES: phases}, study=study)
+    made = replace(experiment(tmp_path), sections={PHASES: phases, DESIGN: design})
     return SessionRig(tmp_path, made=made).run(scenario)
 
 
@@ -148,7 +149,7 @@ def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
         trial_control(session).trial("begin", "")
         assert refusal_reason(session, "closing")
 
-    rig = on_stage(tmp_path, scenario, Study(design=Design()))
+    rig = on_stage(tmp_path, scenario, Design())
     assert changes(rig) == [("opening", "trial"), ("ride", "key"), ("opening", "trial")]
     trials = [line.action for line in rig.of(m.ActionRequested)]
     assert trials == ["Hello", "Hello", "Hello"]
@@ -165,7 +166,7 @@ def test_with_a_design_no_phase_begins_outside_a_trial(tmp_path: Path) -> None:
         assert refusal_reason(session, "opening") == between
         assert next_phase(session.state, PARTS) is None  # the screen offers none
 
-    on_stage(tmp_path, scenario, Study(design=Design()))
+    on_stage(tmp_path, scenario, Design())
 
 
 def test_another_participant_begins_with_the_first_phase(tmp_path: Path) -> None:

@@ -9,9 +9,10 @@ import pytest
 
 from tests.features.questionnaires.rig import due, history, on_stage, questionnaires
 from tests.session.rig import SessionRig
-from tests.session.study_rig import STUDY, short_messages, trial_control
-from woz_tui.config.study import Design
+from tests.session.study_rig import short_messages, trial_control
 from woz_tui.features.questionnaires.history import DueQuestionnaire
+from woz_tui.features.study.design import Design
+from woz_tui.features.study.section import DESIGN
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 
@@ -119,7 +120,11 @@ def test_a_proposal_of_the_file_as_it_was_is_no_proposal(tmp_path: Path) -> None
         order = [*study.propose("P01").order]
         design = Design(order="fixed", trials=3)
         rig.session.adopt(
-            replace(rig.session.experiment, study=replace(STUDY, design=design)), ["design"]
+            replace(
+                rig.session.experiment,
+                sections={**rig.session.experiment.sections, DESIGN: design},
+            ),
+            ["design"],
         )
         study.assign("P01", order)
 
@@ -148,6 +153,6 @@ def test_where_everybody_gets_one_condition_one_is_assigned(tmp_path: Path) -> N
         trials(rig, "done", "done")
         assert [each.questionnaire for each in due(rig)] == [*("each", "ux", "last")]
 
-    study = replace(STUDY, design=Design(order="blocks", within=False, trials=2))
-    rig = on_stage(tmp_path, scenario, study)
+    design = Design(order="blocks", within=False, trials=2)
+    rig = on_stage(tmp_path, scenario, design=design)
     assert short_messages(rig, m.TrialStarted) == ["trial.started 1 cold", "trial.started 2 cold"]

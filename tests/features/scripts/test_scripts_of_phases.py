@@ -10,11 +10,12 @@ import pytest
 
 from tests.features.scripts.test_script_control import KEY, LINES, on_stage, stands
 from tests.session.rig import SessionRig, experiment, with_script
-from woz_tui.config.study import Design, Study
 from woz_tui.features.phases.in_session import PhaseController
 from woz_tui.features.phases.section import PHASES, Phase
 from woz_tui.features.scripts.history import ScriptHistory
 from woz_tui.features.scripts.in_session import ScriptController
+from woz_tui.features.study.design import Design
+from woz_tui.features.study.section import DESIGN
 from woz_tui.protocol.refusal import RequestError
 
 
@@ -73,6 +74,6 @@ def test_with_a_design_space_says_that_phases_begin_with_a_trial(tmp_path: Path)
 
     made = with_script(experiment(tmp_path))
     phases = (Phase("opening", script=("Hello",)),)
-    sections: dict[object, object] = {**made.sections, PHASES: phases}
-    made = replace(made, sections=sections, study=Study(design=Design()))
+    sections: dict[object, object] = {**made.sections, PHASES: phases, DESIGN: Design()}
+    made = replace(made, sections=sections)
     SessionRig(tmp_path, made=made).run(scenario)

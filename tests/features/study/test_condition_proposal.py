@@ -8,9 +8,9 @@ from dataclasses import replace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.config.counterbalancing import block_size, rows
-from woz_tui.config.study import Design
 from woz_tui.features.study.condition_proposal import ConditionProposal, ParticipantHistory, propose
+from woz_tui.features.study.counterbalancing import block_size, rows
+from woz_tui.features.study.design import Design
 
 CONDITIONS = ("a", "b", "c", "d")
 DESIGNS = st.builds(

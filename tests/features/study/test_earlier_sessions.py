@@ -14,9 +14,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.session.study_rig import had, log
-from woz_tui.config.study import Design
 from woz_tui.features.study import earlier_sessions
 from woz_tui.features.study.condition_proposal import ParticipantHistory, propose
+from woz_tui.features.study.design import Design
 from woz_tui.features.study.earlier_sessions import EarlierParticipants, EarlierSessions
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m

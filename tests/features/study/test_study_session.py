@@ -12,6 +12,7 @@ import pytest
 from tests.log.failing_disks import FaultyDisk
 from tests.session.rig import SessionRig
 from tests.session.study_rig import (
+    PLANNED,
     STUDY,
     had,
     log,
@@ -22,6 +23,7 @@ from tests.session.study_rig import (
     trial_control,
 )
 from woz_tui.config.study import PerceptionLimits, Study
+from woz_tui.features.study.section import DESIGN
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
@@ -172,7 +174,7 @@ def test_a_reload_leaves_the_trials_of_the_participant_who_is_there(
     tmp_path: Path, trials: int
 ) -> None:
     """The file has more of them in each condition, fewer, or no design any more."""
-    design = replace(STUDY.design, trials=trials) if STUDY.design and trials else None
+    design = replace(PLANNED, trials=trials) if trials else None
 
     async def scenario(rig: SessionRig) -> None:
         study = trial_control(rig.session)
@@ -180,7 +182,7 @@ def test_a_reload_leaves_the_trials_of_the_participant_who_is_there(
         for _ in range(3):
             study.trial("begin", "")
             study.trial("done", "")
-        rig.session.adopt(study_experiment(tmp_path, replace(STUDY, design=design)), [])
+        rig.session.adopt(study_experiment(tmp_path, design=design), [])
         study.trial("begin", "")
         study.trial("done", "")
         assert "all 4 trials of P01 are done" in refusal_reason(rig, "begin")
@@ -278,7 +280,7 @@ def test_without_a_design_there_is_nothing_to_propose_but_trials_count(tmp_path:
             trial_control(rig.session).trial(what, "")
 
     who = SessionIdentity(participant="P07", condition="warm")
-    rig = on_stage(tmp_path, scenario, Study(), who)
+    rig = on_stage(tmp_path, scenario, Study(), who, design=None)
     assert short_messages(rig, m.TrialStarted) == [
         "trial.started 1 warm",
         "trial.started 2 warm",
@@ -434,10 +436,10 @@ def test_a_blind_wizard_is_shown_labels_and_no_text_that_tells(tmp_path: Path) -
         assert session.values()["greeting"] == "Hello."
         findings = {finding.subject: finding.text for finding in await preflight(session)}
         assert findings["session"] == "P01 B"
-        assert STUDY.design is not None
-        design = replace(STUDY.design, blind={"warm": "A", "mild": "B"})
-        study = replace(STUDY, design=design)
-        renamed = replace(session.experiment, conditions=("warm", "mild"), study=study)
+        design = replace(PLANNED, blind={"warm": "A", "mild": "B"})
+        renamed = replace(
+            session.experiment, conditions=("warm", "mild"), sections={DESIGN: design}
+        )
         session.adopt(renamed, ["a condition"])
         findings = {finding.subject: finding.text for finding in await preflight(session)}
         assert findings["session"] == "P01 ?", "not what it is really called"

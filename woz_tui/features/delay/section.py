@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
+from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import FeatureSection, FileContents
 from woz_tui.config.reload_changes import changed_settings
 from woz_tui.config.study_words import CUES
@@ -73,7 +74,8 @@ class ShapingSection(FeatureSection[ResponseShaping | None]):
             return {}
         return {"shaping": ShapingView(section.floor, section.jitter, [*section.cues])}
 
-    def summary(self, section: ResponseShaping | None) -> Iterable[tuple[str, str]]:
+    def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        section = self.of(experiment)
         if section is not None:
             first, last = section.floor, section.floor + section.jitter
             span = f"{first:g} s" if first == last else f"{first:g} to {last:g} s"

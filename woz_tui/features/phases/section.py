@@ -17,7 +17,7 @@ import msgspec
 from woz_tui.config.action_names import check_actions
 from woz_tui.config.annotated_decoder import read_entries
 from woz_tui.config.experiment import Action, Experiment
-from woz_tui.config.feature_section import FeatureSection, FileContents
+from woz_tui.config.feature_section import FeatureSection, FileContents, plans_trials
 from woz_tui.config.problems import quoted
 from woz_tui.config.reload_changes import changed_entries
 from woz_tui.config.yaml_cursor import Cursor, check_different, texts_of
@@ -135,7 +135,7 @@ class PhaseSection(FeatureSection[tuple[Phase, ...]]):
         """The phase that holds when a session begins; in a study with trials none does until one
         begins.
         """
-        return next(iter(self.of(experiment) if experiment.study.design is None else ()), None)
+        return next(iter(self.of(experiment) if not plans_trials(experiment) else ()), None)
 
     def at_first(self, experiment: Experiment) -> PresentPhase | None:
         phases, first = self.of(experiment), self.first(experiment)
@@ -156,11 +156,12 @@ class PhaseSection(FeatureSection[tuple[Phase, ...]]):
 
     # -- what `woz check` says ---------------------------------------------------------------------
 
-    def summary(self, section: tuple[Phase, ...]) -> Iterable[tuple[str, str]]:
+    def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        section = self.of(experiment)
         return (("phase", _in_words(phase, section)) for phase in section)
 
-    def as_json(self, section: tuple[Phase, ...]) -> Mapping[str, Json]:
-        return {"phases": msgspec.to_builtins(section)}
+    def as_json(self, experiment: Experiment) -> Mapping[str, Json]:
+        return {"phases": msgspec.to_builtins(self.of(experiment))}
 
 
 PHASES = PhaseSection(PhaseKeys, ())

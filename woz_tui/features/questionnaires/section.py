@@ -21,6 +21,7 @@ from typing import Annotated, Any
 import msgspec
 
 from woz_tui.config.annotated_decoder import read_entries, read_partly
+from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import FeatureSection, FileContents
 from woz_tui.config.languages import Language
 from woz_tui.config.reload_changes import changed_entries
@@ -148,8 +149,8 @@ class QuestionnaireSection(FeatureSection[Asked]):
     def schemas(self) -> Mapping[str, Any]:
         return {"name": {"type": "string", "pattern": f"^{NAME_PATTERN.pattern}$"}}
 
-    def summary(self, section: Asked) -> Iterable[tuple[str, str]]:
-        return ((each.name, _in_words(each)) for each in section.questionnaires)
+    def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        return ((each.name, _in_words(each)) for each in self.of(experiment).questionnaires)
 
 
 QUESTIONNAIRES = QuestionnaireSection(QuestionnaireKeys, Asked())

@@ -7,6 +7,7 @@ class Study(Feature):
     """A design proposes an order of conditions for each participant; trials begin and end."""
 
     name = "study"
+    section = "section:DESIGN"
     gate = "gate:GATE"
     session = "in_session:TrialController"
     command = CommandLine(
@@ -14,4 +15,5 @@ class Study(Feature):
         "show the order of conditions: used so far, and next",
         module="command",
         behind="convert",
+        proposed=("", "who gets which condition"),
     )

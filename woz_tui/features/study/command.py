@@ -16,11 +16,8 @@ from woz_tui.cli.argument_types import number
 from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.report_layout import text_table
 from woz_tui.cli.safe_streams import json_text
-from woz_tui.cli.study_summary import design_sentence, order_text
-from woz_tui.config.counterbalancing import block_size, planned, rows
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
-from woz_tui.config.study import Design
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
@@ -30,7 +27,10 @@ from woz_tui.features.study.condition_proposal import (
     ParticipantHistory,
     propose,
 )
+from woz_tui.features.study.counterbalancing import block_size, planned, rows
+from woz_tui.features.study.design import Design
 from woz_tui.features.study.earlier_sessions import EarlierParticipants, EarlierSessions
+from woz_tui.features.study.section import DESIGN, design_sentence, order_text
 from woz_tui.protocol.messages import Json
 
 #: Columns of a page that goes into a file or a pipe.
@@ -67,11 +67,12 @@ def run(arguments: Namespace) -> int:
 def design(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     """`run` with the drivers of `catalogue`."""
     experiment = load(arguments.file, catalogue)
-    if experiment.study.design is None:
+    order = DESIGN.of(experiment)
+    if order is None:
         _complain("the file has no design; add one, such as design: {order: latin-square}")
         return 1
     found = EarlierSessions(arguments.recordings).read(experiment.title, experiment.path.name)
-    plan = _plan(experiment, experiment.study.design, found, arguments.participants)
+    plan = _plan(experiment, order, found, arguments.participants)
     if arguments.format == "json":
         report = _report(plan, arguments.recordings, labels=arguments.labels)
         print(json_text(report, indent=2))

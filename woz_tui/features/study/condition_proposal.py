@@ -9,8 +9,8 @@ from functools import cached_property
 
 import msgspec
 
-from woz_tui.config.counterbalancing import Order, block_size, order_at, planned, rows
-from woz_tui.config.study import Design
+from woz_tui.features.study.counterbalancing import Order, block_size, order_at, planned, rows
+from woz_tui.features.study.design import Design
 from woz_tui.protocol.messages import Json
 from woz_tui.timeline.feature_history import FeatureHistory, Owed
 

@@ -9,9 +9,10 @@ import asyncio
 from dataclasses import replace
 
 from woz_tui.config.experiment import Experiment
-from woz_tui.config.study import Design
 from woz_tui.features.study.condition_proposal import ConditionProposal, propose
+from woz_tui.features.study.design import Design
 from woz_tui.features.study.earlier_sessions import EarlierSessions
+from woz_tui.features.study.section import DESIGN
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import WIZARD
@@ -52,7 +53,7 @@ class TrialController(SessionFeature):
         whoever names a condition there has chosen.
         """
         who = self.session.identity
-        if not who.participant or who.condition or self.session.experiment.study.design is None:
+        if not who.participant or who.condition or DESIGN.of(self.session.experiment) is None:
             return
         try:
             proposal = await asyncio.to_thread(self.propose, who.participant)
@@ -93,7 +94,7 @@ class TrialController(SessionFeature):
         return proposal
 
     def _design(self) -> Design:
-        design = self.session.experiment.study.design
+        design = DESIGN.of(self.session.experiment)
         if design is None:
             raise RequestError(
                 "the file has no design",

@@ -9,6 +9,7 @@ from typing import Annotated
 import msgspec
 
 from woz_tui.config.action_names import check_actions
+from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import FeatureSection, FileContents
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.fields import (
@@ -101,16 +102,17 @@ class TrainingSection(FeatureSection[Training]):
         if old != new:
             yield "training changed"
 
-    def summary(self, section: Training) -> Iterable[tuple[str, str]]:
+    def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        section = self.of(experiment)
         if section != self.empty:
             cues = ", ".join(f"{cue.cue}: {' or '.join(cue.answers)}" for cue in section.cues)
             count = f"{section.count} cue{'' if section.count == 1 else 's'}"
             made = cues or "made from the actions"
             yield "training", f"{count}, answered within {section.window:g} s ({made})"
 
-    def as_json(self, section: Training) -> Mapping[str, Json]:
+    def as_json(self, experiment: Experiment) -> Mapping[str, Json]:
         """A cue is called `sort`, as programs have known it since the first version."""
-        training = msgspec.to_builtins(section)
+        training = msgspec.to_builtins(self.of(experiment))
         for cue in training["cues"]:
             cue["sort"] = cue.pop("cue")
         return {"training": training}

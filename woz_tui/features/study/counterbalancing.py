@@ -13,7 +13,7 @@ import string
 from collections.abc import Sequence, Sized
 from typing import TypeVar
 
-from woz_tui.config.study import Design
+from woz_tui.features.study.design import Design
 
 T = TypeVar("T")
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.config.counterbalancing import (
+from woz_tui.features.study.counterbalancing import (
     block_size,
     letters,
     order_at,
@@ -17,7 +17,7 @@ from woz_tui.config.counterbalancing import (
     rows,
     williams,
 )
-from woz_tui.config.study import Design
+from woz_tui.features.study.design import Design
 
 SEEDS = st.integers(0, 999_999)
 COUNTS = st.integers(2, 9)

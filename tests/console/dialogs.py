@@ -42,7 +42,7 @@ def busy() -> r.Welcome:
 
 async def open_dialog(pilot: ConsolePilot, name: str) -> None:
     await pilot.press(OPENERS[name])
-    await pilot.until(lambda: type(pilot.console.dialog).__name__ == name, name)
+    await pilot.until(lambda: name in [each.__name__ for each in type(pilot.console.dialog).mro()])
     await pilot.settle()
 
 

@@ -56,7 +56,7 @@ class RobotRequests:
         self._watching: dict[int, OnPicture] = {}
         #: Whether the session is being ended from here.
         self.ending = False
-        #: Whether the wizard was ending it when a questionnaire was asked here.
+        #: Whether the wizard was ending it when something was asked here first.
         self.leaving = False
         self.drafts: dict[str, str] = {}
         self.history: list[str] = []

@@ -13,7 +13,6 @@ from textual.widgets import OptionList
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import plain, refusal_text
-from woz_tui.console.screens.start import StartDialog
 from woz_tui.console.screens.typed import typed_sentences
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.widgets.feature_console import EndAnswer, EndQuestion, FeatureConsole
@@ -172,7 +171,8 @@ class LeaveDialog(ChoiceDialog):
         """
         answers = {each.key: each.answer for each in self._questions}
         if answers.get(_WHO):
-            self.console_app.open_dialog(StartDialog(then=partial(self.console_app.do, "leave")))
+            self.requests.leaving = True
+            self.console_app.do("start")
         elif any(answer == _DONE for key, answer in answers.items() if key.startswith(_TRIAL)):
             self.requests.ask(AskTrial(what="done"), partial(self._trial_done, answers))
         else:

@@ -8,6 +8,7 @@ class Study(Feature):
 
     name = "study"
     section = "section:DESIGN"
+    console = "console:CONSOLE"
     gate = "gate:GATE"
     session = "in_session:TrialController"
     command = CommandLine(

@@ -12,6 +12,7 @@ from tests.console.dialogs import OPENERS, open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.scripted_feed import Answer, redacted_welcome
 from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.features.study.kinds import AskAssign, AskProposal
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
@@ -107,7 +108,7 @@ def robot_that_tells(pilot: ConsolePilot) -> None:
         {"level": "warning", "subject": "experiment", "text": "line 3, greeting.warm: odd"}
     ]
     told: dict[type, r.Reply] = {
-        r.AskProposal: r.Reply(ref=0, ok=True, data=proposal),
+        AskProposal: r.Reply(ref=0, ok=True, data=proposal),
         r.AskPreflight: r.Reply(ref=0, ok=True, data=finding),
     }
     for kind, reply in told.items():
@@ -150,8 +151,8 @@ async def test_the_wizard_chooses_among_labels() -> None:
         await open_dialog(pilot, "StartDialog")
         assert "1. Orange" in pilot.drawn()
         await pilot.press("enter")
-        asked = pilot.feed.last(r.AskAssign)
-        assert isinstance(asked, r.AskAssign)
+        asked = pilot.feed.last(AskAssign)
+        assert isinstance(asked, AskAssign)
         assert asked.order == ["Orange", "Lemon"]
 
 
@@ -208,8 +209,8 @@ def test_the_condition_behind_a_label_is_known_to_the_robot_process_alone() -> N
     redactor = blind()
     assert redactor.label("unheard of") == "?"
     assert redactor.label("") == ""
-    asked = redactor.request(r.AskAssign(participant="P07", order=["Orange", "Plum"]))
-    assert isinstance(asked, r.AskAssign)
+    asked = redactor.request(AskAssign(participant="P07", order=["Orange", "Plum"]))
+    assert isinstance(asked, AskAssign)
     assert asked.order == ["cold", "Plum"]
 
 

@@ -292,22 +292,6 @@ class Beat(Request, frozen=True, kw_only=True, tag="beat"):
     line_ok: bool = True
 
 
-class AskProposal(Request, frozen=True, kw_only=True, tag="proposal"):
-    """Which conditions should this participant get? The reply's `data` has `order`, `method`,
-    `row`, `why`, and `condition` and `trial`: where this session would go on, of `planned` trials.
-    """
-
-    participant: str
-
-
-class AskAssign(Request, frozen=True, kw_only=True, tag="assign"):
-    """This participant gets the conditions in this order: as proposed, or otherwise."""
-
-    conditions_in = "order"
-    participant: str
-    order: list[str]
-
-
 class AskTrial(Request, frozen=True, kw_only=True, tag="trial"):
     """Begin the next trial, end the present one (done, aborted, excluded), begin or end a break."""
 
@@ -400,8 +384,6 @@ REQUESTS: tuple[type[Request], ...] = (
     AskKeepTyped,
     AskPreflight,
     AskEnd,
-    AskProposal,
-    AskAssign,
     AskTrial,
     AskCheck,
     AskReplay,

@@ -11,6 +11,7 @@ from tests.console.dialogs import open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.console.screens.lost import LostDialog
 from woz_tui.console.screens.start import StartDialog
+from woz_tui.features.study.kinds import AskAssign, AskProposal
 from woz_tui.features.study.order_dialog import proposal_of
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -28,7 +29,7 @@ DATA: dict[str, m.Json] = {
 
 
 def propose(pilot: ConsolePilot, **other: m.Json) -> None:
-    pilot.feed.answers[r.AskProposal] = lambda asked, ref: r.Reply(
+    pilot.feed.answers[AskProposal] = lambda asked, ref: r.Reply(
         ref=ref, ok=True, data={**DATA, **other}
     )
 
@@ -52,7 +53,7 @@ async def test_enter_with_a_wrong_code_says_what_is_wrong_with_the_code() -> Non
         state=[scenes.start("", "")], settings={"study": study_scene.study_description()}
     )
     async with piloted_console(first) as pilot:
-        pilot.feed.answers[r.AskProposal] = lambda asked, ref: msgspec.structs.replace(
+        pilot.feed.answers[AskProposal] = lambda asked, ref: msgspec.structs.replace(
             REFUSED, ref=ref
         )
         await named(pilot, "P1")
@@ -61,9 +62,9 @@ async def test_enter_with_a_wrong_code_says_what_is_wrong_with_the_code() -> Non
         assert "'P1' is no code: it must look like P01" in pilot.drawn()
 
 
-def last(pilot: ConsolePilot) -> r.AskAssign:
-    asked = pilot.feed.last(r.AskAssign)
-    assert isinstance(asked, r.AskAssign)
+def last(pilot: ConsolePilot) -> AskAssign:
+    asked = pilot.feed.last(AskAssign)
+    assert isinstance(asked, AskAssign)
     return asked
 
 
@@ -72,8 +73,8 @@ async def test_a_code_brings_its_order_and_enter_accepts_it(size: tuple[int, int
     async with piloted_console(study_scene.welcome(), size=size) as pilot:
         propose(pilot)
         await named(pilot)
-        asked = pilot.feed.last(r.AskProposal)
-        assert isinstance(asked, r.AskProposal)
+        asked = pilot.feed.last(AskProposal)
+        assert isinstance(asked, AskProposal)
         assert asked.participant == "P08"
         drawn = pilot.drawn()
         for part in ("1. cold", "2. warm", "next: trial 1 in cold", "latin-square", "so far"):
@@ -103,11 +104,11 @@ async def test_enter_before_the_proposal_has_come_accepts_it_when_it_comes() -> 
             late.append(ref)
             return r.Reply(ref=0, ok=True)  # to nobody
 
-        pilot.feed.answers[r.AskProposal] = answer
+        pilot.feed.answers[AskProposal] = answer
         await named(pilot)
         await pilot.press("enter")
         await pilot.settle()
-        assert pilot.feed.last(r.AskAssign) is pilot.feed.last(r.AskSet) is None
+        assert pilot.feed.last(AskAssign) is pilot.feed.last(r.AskSet) is None
         await pilot.tell(r.Reply(ref=late[-1], ok=True, data=DATA))
         await pilot.until(lambda: pilot.console.dialog is None)
         assert (last(pilot).participant, last(pilot).order) == ("P08", ["cold", "warm"])
@@ -118,12 +119,12 @@ async def test_an_incomplete_code_has_no_order() -> None:
     async with piloted_console(study_scene.welcome()) as pilot:
 
         def answer(asked: r.Request, ref: int) -> r.Reply:
-            assert isinstance(asked, r.AskProposal)
+            assert isinstance(asked, AskProposal)
             if asked.participant != "P08":
                 return r.Reply(ref=ref, ok=False, reason="it does not match the pattern")
             return r.Reply(ref=ref, ok=True, data=DATA)
 
-        pilot.feed.answers[r.AskProposal] = answer
+        pilot.feed.answers[AskProposal] = answer
         await named(pilot, "P0")
         assert "Proposed" not in pilot.drawn()
         await pilot.type("8")
@@ -179,7 +180,7 @@ async def test_who_has_the_order_already_gets_only_another_trial() -> None:
         await open_dialog(pilot, "StartDialog")
         await pilot.settle()
         await pilot.press("enter")
-        assert pilot.feed.last(r.AskAssign) is None
+        assert pilot.feed.last(AskAssign) is None
         asked = pilot.feed.last(r.AskSet)
         assert isinstance(asked, r.AskSet)
         assert (asked.participant, asked.condition, asked.trial) == (None, None, 4)
@@ -188,7 +189,7 @@ async def test_who_has_the_order_already_gets_only_another_trial() -> None:
 async def test_a_refused_order_keeps_the_dialog_open() -> None:
     async with piloted_console(study_scene.welcome()) as pilot:
         propose(pilot)
-        pilot.feed.answers[r.AskAssign] = lambda asked, ref: r.Reply(
+        pilot.feed.answers[AskAssign] = lambda asked, ref: r.Reply(
             ref=ref, ok=False, reason="a trial is under way"
         )
         await named(pilot)
@@ -199,7 +200,7 @@ async def test_a_refused_order_keeps_the_dialog_open() -> None:
 async def test_without_a_design_nothing_is_proposed() -> None:
     async with piloted_console(scenes.welcome()) as pilot:
         await named(pilot)
-        assert pilot.feed.last(r.AskProposal) is None
+        assert pilot.feed.last(AskProposal) is None
         await pilot.press("tab", "down", "enter")
         await pilot.until(lambda: pilot.console.dialog is None)
         asked = pilot.feed.last(r.AskSet)
@@ -242,14 +243,14 @@ async def test_after_a_crash_who_takes_part_is_asked_again_and_filled_in() -> No
         await pilot.until(lambda: isinstance(pilot.console.dialog, StartDialog))
         await pilot.settle()
         assert pilot.console.screen.query_one("#participant", Input).value == "P09"
-        asked = pilot.feed.last(r.AskProposal)
-        assert isinstance(asked, r.AskProposal)
+        asked = pilot.feed.last(AskProposal)
+        assert isinstance(asked, AskProposal)
         assert asked.participant == "P09"
         await pilot.until(lambda: "1. cold" in pilot.drawn())
         await pilot.press("enter")
-        await pilot.until(lambda: pilot.feed.last(r.AskAssign) is not None)
-        assigned = pilot.feed.last(r.AskAssign)
-        assert isinstance(assigned, r.AskAssign)
+        await pilot.until(lambda: pilot.feed.last(AskAssign) is not None)
+        assigned = pilot.feed.last(AskAssign)
+        assert isinstance(assigned, AskAssign)
         assert (assigned.participant, assigned.order) == ("P09", ["cold", "warm"])
 
 

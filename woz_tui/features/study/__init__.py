@@ -7,6 +7,7 @@ class Study(Feature):
     """A design proposes an order of conditions for each participant; trials begin and end."""
 
     name = "study"
+    kinds = "kinds:KINDS"
     section = "section:DESIGN"
     console = "console:CONSOLE"
     gate = "gate:GATE"

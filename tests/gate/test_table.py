@@ -171,7 +171,7 @@ def test_what_is_not_needed_any_more_is_refused_while_the_session_ends() -> None
     ours = [each for each in REQUESTS if type(each) in r.REQUESTS]
     asked = [(each, why_not(Facts(ended=True), ClientRequest(each, "wizard"))) for each in ours]
     assert {str(each.__struct_config__.tag) for each, refusal in asked if refusal} == {
-        *("trial", "check"),
+        "check",
         # Others answer these, before the gate is asked.
         *("hello", "about", "beat", "stop", "take-over", "replay"),
     }

@@ -446,7 +446,6 @@ REQUESTS: tuple[r.Request, ...] = (
     r.AskPreflight(ref=18),
     r.AskEnd(ref=19, reason="the visitor has left"),
     *feature_examples("study", "REQUESTS"),
-    r.AskTrial(ref=24, what="aborted", text="the head fell asleep"),
     *feature_examples("questionnaires", "REQUESTS"),
     *feature_examples("training", "REQUESTS"),
     r.AskCheck(ref=28, check="the camera sees the whole table", ok=False, text="lamp in the way"),

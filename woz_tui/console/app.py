@@ -33,7 +33,7 @@ from woz_tui.console.state.feature_notes import StudyNews
 from woz_tui.console.state.remedy_text import remedy_text
 from woz_tui.console.widgets.bottom_rows import BarInfo, News, order_keys
 from woz_tui.console.widgets.event_list import act_text
-from woz_tui.console.widgets.feature_console import FeatureConsole, NextStep, under_way
+from woz_tui.console.widgets.feature_console import FeatureConsole, NextStep
 from woz_tui.console.widgets.main_screen import MainScreen
 from woz_tui.console.widgets.meters import turned_away
 from woz_tui.console.widgets.status_rows import StatusInfo
@@ -405,13 +405,11 @@ class Console(ScreenApp):
         """The key of what is to begin before anything comes next, and what; without a key, why
         nothing is.
         """
-        study = self.state.session.study
-        if study.between_trials:
-            if (asked := under_way(self.state)) is not None:
-                return self._key("trial"), f"goes on with: {clean(asked.title)}"
-            if study.planned and not study.trials_left:
-                return "", "all trials are over"
-            return self._key("trial"), f"begins trial {study.next_trial}"
+        for name, each in pieces("console", FeatureConsole).items():
+            found = answer_of(name, None, each.begins, self.state) if each.begins else None
+            if found is not None:
+                key, what = found
+                return self._key(key) if key else "", what
         step = self._following()
         if step is None or not step.first:
             return "", ""

@@ -81,10 +81,6 @@ def _has_robot(state: ConsoleState) -> bool:
     return bool(state.robot_outlines)
 
 
-def _between_trials(state: ConsoleState) -> bool:
-    return state.session.study.between_trials
-
-
 def _arrow(name: str, verb: str, argument: str, way: int, step: str) -> ConsoleCommand:
     """An arrow key. Left, down and forward are positive."""
 
@@ -203,12 +199,6 @@ _COMMANDS = (
     _arrow("hip_left", "hip", "roll", 1, "hip"),
     _arrow("hip_right", "hip", "roll", -1, "hip"),
     _row("start", opens("screens.start:StartDialog")),
-    _row(
-        "trial",
-        opens("screens.trial:TrialDialog"),
-        hint=KeyHint(2.4, "trial", _between_trials),
-        users=WATCHER,
-    ),
     _row("preflight", opens("screens.preflight:PreflightDialog"), users=WATCHER),
     _row("reload", opens("screens.reload:ReloadDialog")),
     _row("drivers", opens("screens.drivers:DriversDialog"), users=EVERYBODY),
@@ -292,16 +282,15 @@ def _of_feature(command: FeatureCommand) -> ConsoleCommand:
 
 
 def _with_features() -> Iterator[ConsoleCommand]:
-    """Ours, of which features may carry out something else at times, then theirs."""
+    """Ours and theirs, of which features may carry out something else at times."""
     consoles = pieces("console", FeatureConsole)
-    for command in _COMMANDS:
+    theirs = (_of_feature(each) for console in consoles.values() for each in console.commands)
+    for command in (*_COMMANDS, *theirs):
         for name, console in consoles.items():
             if command.run is not None and command.name in console.instead:
                 run = partial(_run_either, name, command.run, console.instead[command.name])
                 command = replace(command, run=run)  # noqa: PLW2901 - several may take it
         yield command
-    for console in consoles.values():
-        yield from map(_of_feature, console.commands)
 
 
 def _run_either(

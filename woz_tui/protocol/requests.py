@@ -292,13 +292,6 @@ class Beat(Request, frozen=True, kw_only=True, tag="beat"):
     line_ok: bool = True
 
 
-class AskTrial(Request, frozen=True, kw_only=True, tag="trial"):
-    """Begin the next trial, end the present one (done, aborted, excluded), begin or end a break."""
-
-    what: Literal["begin", "done", "aborted", "excluded", "break", "resume"]
-    text: str = ""
-
-
 class AskCheck(Request, frozen=True, kw_only=True, tag="check"):
     """Tick an item of the preflight list that only a human can see to, or take the tick away."""
 
@@ -384,7 +377,6 @@ REQUESTS: tuple[type[Request], ...] = (
     AskKeepTyped,
     AskPreflight,
     AskEnd,
-    AskTrial,
     AskCheck,
     AskReplay,
     AskPicture,

@@ -16,10 +16,10 @@ def refused(role: str, *, ended: bool) -> set[str]:
 
 
 def test_while_the_session_ends_orders_are_proposed_but_nobody_gets_one() -> None:
-    assert refused("wizard", ended=True) == {"assign"}
+    assert refused("wizard", ended=True) == {"assign", "trial"}
     assert refused("wizard", ended=False) == set()
 
 
 @pytest.mark.parametrize("role", ["watcher", "participant"])
 def test_who_does_not_play_has_no_say_in_it(role: str) -> None:
-    assert refused(role, ended=False) == {"assign", "proposal"}
+    assert refused(role, ended=False) == {"assign", "proposal", "trial"}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pkgutil import resolve_name
@@ -18,13 +18,11 @@ from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.widgets.feature_console import EndAnswer, EndQuestion, FeatureConsole
 from woz_tui.feature import answers_of, pieces
 from woz_tui.log.file_names import gets_participant
-from woz_tui.protocol.requests import AskKeepTyped, AskTrial, Reply
+from woz_tui.protocol.requests import AskKeepTyped, Reply
 from woz_tui.system.text_cleaning import lasting
 
-#: Names of what is open: who takes part, the trial (with its number), the typed sentences.
-_WHO, _TRIAL, _TYPED = "participant", "trial ", "typed"
-#: The answer with which a trial is done.
-_DONE = 1
+#: Names of what is open: who takes part, the typed sentences.
+_WHO, _TYPED = "participant", "typed"
 #: Under which name the answers are kept while the dialog is closed.
 _DRAFT = "LeaveDialog "
 
@@ -110,15 +108,15 @@ class LeaveDialog(ChoiceDialog):
             without = (f"{who}: reports count the session as one without a code",)
             first = (f"{who}: the log has no code", f"{who}: give it first")
             found.append(self._open(_WHO, *(without if self._has_begun() else first)))
-        done = False
-        if (running := self.state.session.study.trial) is not None:
-            number = running.label
-            trial = f"Trial {number} is still running; ending the session marks it as"
-            found.append(self._open(f"{_TRIAL}{number}", f"{trial} aborted.", f"{trial} done."))
-            done = found[-1].answer == _DONE
-        self._of_features = {each.key: each for each in _at_end(self.state, trial_done=done)}
-        for each in self._of_features.values():
-            found.append(self._open(each.key, *(answer.sentence for answer in each.answers)))
+        self._of_features, trial_done = dict[str, EndQuestion](), False
+        for name, console in pieces("console", FeatureConsole).items():
+            if console.at_end is None:
+                continue
+            for each in answers_of(name, console.at_end, self.state, trial_done):
+                opened = self._open(each.key, *(answer.sentence for answer in each.answers))
+                self._of_features[each.key] = each
+                trial_done = trial_done or each.answers[opened.answer].ends_trial
+                found.append(opened)
         if count := len(typed_sentences(self.state)):
             typed = f"{count} typed sentence{'' if count == 1 else 's'}"
             answers = (f"{typed}: in the log only", f"{typed}: also into a copy of your file")
@@ -173,10 +171,20 @@ class LeaveDialog(ChoiceDialog):
         if answers.get(_WHO):
             self.requests.leaving = True
             self.console_app.do("start")
-        elif any(answer == _DONE for key, answer in answers.items() if key.startswith(_TRIAL)):
-            self.requests.ask(AskTrial(what="done"), partial(self._trial_done, answers))
-        else:
-            self._go_on(answers)
+            return
+        for chosen in self._chosen(answers):
+            if chosen.ends_trial and chosen.request is not None:
+                self.requests.ask(chosen.request, partial(self._trial_done, answers))
+                return
+        self._go_on(answers)
+
+    def _chosen(self, answers: Mapping[str, int]) -> list[EndAnswer]:
+        """What becomes of that which features have open."""
+        return [
+            self._of_features[key].answers[answer]
+            for key, answer in answers.items()
+            if key in self._of_features
+        ]
 
     def _trial_done(self, answers: Mapping[str, int], reply: Reply) -> None:
         self.requests.refused(reply)
@@ -184,10 +192,9 @@ class LeaveDialog(ChoiceDialog):
             self._go_on(answers)
 
     def _go_on(self, answers: Mapping[str, int]) -> None:
-        for key, answer in answers.items():
-            asked = self._of_features.get(key)
-            if asked is not None and asked.answers[answer].request is not None:
-                self._see_to(asked.answers[answer])
+        for chosen in self._chosen(answers):
+            if chosen.request is not None and not chosen.ends_trial:
+                self._see_to(chosen)
                 return
         if answers.get(_TYPED):
             self.requests.ask(AskKeepTyped(), self._kept)
@@ -216,20 +223,10 @@ class LeaveDialog(ChoiceDialog):
         self.requests.end_session()
 
 
-def _at_end(state: ConsoleState, *, trial_done: bool) -> Iterator[EndQuestion]:
-    """What is open of features."""
-    for name, console in pieces("console", FeatureConsole).items():
-        if console.at_end is not None:
-            yield from answers_of(name, console.at_end, state, trial_done)
-
-
 def cut_off(state: ConsoleState) -> list[str]:
     """What the end of the session would cut off or leave out and no answer changes."""
     found: list[str] = []
     for name, console in pieces("console", FeatureConsole).items():
         if console.cut_off is not None:
             found += answers_of(name, console.cut_off, state)
-    study = state.session.study
-    if study.trial is None and study.last_ended is not None and (left := study.trials_left):
-        found.append(f"{left} of {study.planned} trials {'is' if left == 1 else 'are'} still to do")
     return found

@@ -147,12 +147,14 @@ class BetweenTrials:
 class EndAnswer:
     """What becomes of something that is open when the wizard ends the session: a sentence, and the
     request that goes out before the end, if any, with the dialog `module:Class` in which it is
-    seen to; then the end is asked again.
+    seen to; then the end is asked again. `ends_trial`: the request has the trial under way done,
+    and the end goes on.
     """
 
     sentence: str
     request: Request | None = None
     opens: str = ""
+    ends_trial: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,7 +182,8 @@ class FeatureConsole:
     after the other; of several features the first has it. `between`: what it has between trials.
     `at_end`: what is open when the session ends, also if the trial under way were done. `cut_off`:
     what the end would cut off, in sentences. `value`: what stands behind the trial in the first
-    status row.
+    status row. `begins`: the id of the key of what is to begin before there is a script, and what,
+    in words; without a key, why nothing is; None: as otherwise.
     """
 
     commands: tuple[FeatureCommand, ...] = ()
@@ -197,6 +200,7 @@ class FeatureConsole:
     at_end: Callable[[ConsoleState, bool], Iterable[EndQuestion]] | None = None
     cut_off: Callable[[ConsoleState], Iterable[str]] | None = None
     value: Callable[[ConsoleState], str] | None = None
+    begins: Callable[[ConsoleState], tuple[str, str] | None] | None = None
 
 
 def between_trials() -> Iterator[tuple[str, BetweenTrials]]:

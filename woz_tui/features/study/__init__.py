@@ -9,6 +9,7 @@ class Study(Feature):
     name = "study"
     kinds = "kinds:KINDS"
     section = "section:DESIGN"
+    keys = "keys.json"
     console = "console:CONSOLE"
     gate = "gate:GATE"
     session = "in_session:TrialController"

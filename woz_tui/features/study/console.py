@@ -2,8 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+from woz_tui.console.drawing.cells import clean
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.console.widgets.feature_console import FeatureConsole
+from woz_tui.console.widgets.feature_console import (
+    EndAnswer,
+    EndQuestion,
+    FeatureCommand,
+    FeatureConsole,
+    KeyHint,
+    under_way,
+)
+from woz_tui.features.study.kinds import AskTrial
 
 
 def _start_dialog(state: ConsoleState) -> str | None:
@@ -12,4 +23,45 @@ def _start_dialog(state: ConsoleState) -> str | None:
     return f"{__package__}.order_dialog:OrderDialog" if designed else None
 
 
-CONSOLE = FeatureConsole(instead={"start": _start_dialog})
+def _between_trials(state: ConsoleState) -> bool:
+    return state.session.study.between_trials
+
+
+def _begins(state: ConsoleState) -> tuple[str, str] | None:
+    study = state.session.study
+    if not study.between_trials:
+        return None
+    if (asked := under_way(state)) is not None:
+        return "trial", f"goes on with: {clean(asked.title)}"
+    if study.planned and not study.trials_left:
+        return "", "all trials are over"
+    return "trial", f"begins trial {study.next_trial}"
+
+
+def _at_end(state: ConsoleState, trial_done: bool) -> Iterator[EndQuestion]:
+    if (running := state.session.study.trial) is not None:
+        trial = f"Trial {running.label} is still running; ending the session marks it as"
+        done = EndAnswer(f"{trial} done.", AskTrial(what="done"), ends_trial=True)
+        yield EndQuestion(f"trial {running.label}", (EndAnswer(f"{trial} aborted."), done))
+
+
+def _cut_off(state: ConsoleState) -> Iterator[str]:
+    study = state.session.study
+    if study.trial is None and study.last_ended is not None and (left := study.trials_left):
+        yield f"{left} of {study.planned} trials {'is' if left == 1 else 'are'} still to do"
+
+
+CONSOLE = FeatureConsole(
+    commands=(
+        FeatureCommand(
+            "trial",
+            f"{__package__}.trial_dialog:TrialDialog",
+            hint=KeyHint(2.4, "trial", _between_trials),
+            watchers=True,
+        ),
+    ),
+    instead={"start": _start_dialog},
+    at_end=_at_end,
+    cut_off=_cut_off,
+    begins=_begins,
+)

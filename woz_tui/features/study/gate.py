@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from woz_tui.features.study.kinds import AskAssign, AskProposal
+from woz_tui.features.study.kinds import AskAssign, AskProposal, AskTrial
 from woz_tui.gate.table import FeatureGate
-from woz_tui.protocol.requests import AskTrial
 
 GATE = FeatureGate(while_ending=(AskProposal,), after_leaving=(AskAssign, AskTrial))

@@ -12,12 +12,11 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.features.study.condition_proposal import ConditionProposal, propose
 from woz_tui.features.study.design import Design
 from woz_tui.features.study.earlier_sessions import EarlierSessions
-from woz_tui.features.study.kinds import AskAssign, AskProposal
+from woz_tui.features.study.kinds import AskAssign, AskProposal, AskTrial
 from woz_tui.features.study.section import DESIGN
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import WIZARD
-from woz_tui.protocol.requests import AskTrial
 from woz_tui.session.participant_identity import check_condition, check_participant
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 

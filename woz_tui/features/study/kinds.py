@@ -6,6 +6,8 @@ of a log belongs to a participant, a condition and a trial (`timeline.trial_cont
 
 from __future__ import annotations
 
+from typing import Literal
+
 from woz_tui.protocol.kinds import FeatureKinds
 from woz_tui.protocol.requests import Request
 
@@ -26,4 +28,11 @@ class AskAssign(Request, frozen=True, kw_only=True, tag="assign"):
     order: list[str]
 
 
-KINDS = FeatureKinds(requests=(AskProposal, AskAssign))
+class AskTrial(Request, frozen=True, kw_only=True, tag="trial"):
+    """Begin the next trial, end the present one (done, aborted, excluded), begin or end a break."""
+
+    what: Literal["begin", "done", "aborted", "excluded", "break", "resume"]
+    text: str = ""
+
+
+KINDS = FeatureKinds(requests=(AskProposal, AskAssign, AskTrial))

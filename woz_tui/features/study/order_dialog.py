@@ -13,8 +13,8 @@ from woz_tui.console.drawing.cells import Row
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.screens.dialog import content, refusal_text
 from woz_tui.console.screens.start import ConditionButton, StartDialog
-from woz_tui.console.screens.trial import order_row
 from woz_tui.features.study.kinds import AskAssign, AskProposal
+from woz_tui.features.study.trial_dialog import order_row
 from woz_tui.protocol.requests import AskSet, Reply
 
 

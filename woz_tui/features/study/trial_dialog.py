@@ -17,7 +17,8 @@ from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.widgets.feature_console import FeatureStep, between_trials, under_way
 from woz_tui.feature import answer_of, answers_of
-from woz_tui.protocol.requests import AskTrial, Reply
+from woz_tui.features.study.kinds import AskTrial
+from woz_tui.protocol.requests import Reply
 from woz_tui.system.text_cleaning import elapsed
 from woz_tui.timeline.episodes import TrialEpisode
 from woz_tui.timeline.study_history import StudyState

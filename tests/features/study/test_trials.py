@@ -10,17 +10,18 @@ from tests.console.piloting import piloted_console
 from tests.console.scripted_feed import raw
 from woz_tui.console.screens.leave import LeaveDialog
 from woz_tui.console.screens.start import StartDialog
-from woz_tui.console.screens.trial import TrialDialog, trial_status
 from woz_tui.console.state.study import StudyView
 from woz_tui.features.questionnaires.console import QuestionnaireNotes
 from woz_tui.features.questionnaires.dialog import OfferDialog, QuestionnaireDialog
 from woz_tui.features.questionnaires.kinds import AskQuestionnaire, QuestionnaireAnswered
+from woz_tui.features.study.kinds import AskTrial
+from woz_tui.features.study.trial_dialog import TrialDialog, trial_status
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.timeline.study_history import StudyState
 
 #: What ending a session may ask for.
-ENDING = r.AskTrial | AskQuestionnaire | r.AskEnd
+ENDING = AskTrial | AskQuestionnaire | r.AskEnd
 NOW, SECOND = study_scene.NOW, study_scene.SECOND
 
 
@@ -31,14 +32,14 @@ def trial_ended(number: int = 3, outcome: str = "done", t: int = NOW) -> m.Trial
 async def test_to_begin_and_to_end_a_trial_are_two_keys_each() -> None:
     async with piloted_console(study_scene.welcome()) as pilot:
         await pilot.press("asterisk", "b")
-        asked = pilot.feed.last(r.AskTrial)
-        assert isinstance(asked, r.AskTrial)
+        asked = pilot.feed.last(AskTrial)
+        assert isinstance(asked, AskTrial)
         assert asked.what == "begin"
         assert pilot.console.dialog is None
         await pilot.tell(study_scene.trial(1, "warm", ago=0))
         await pilot.press("asterisk", "d")
-        asked = pilot.feed.last(r.AskTrial)
-        assert isinstance(asked, r.AskTrial)
+        asked = pilot.feed.last(AskTrial)
+        assert isinstance(asked, AskTrial)
         assert asked.what == "done"
 
 
@@ -46,8 +47,8 @@ async def test_enter_does_what_comes_next() -> None:
     async with piloted_console(study_scene.welcome()) as pilot:
         for message, what in ((study_scene.trial(ago=0), "begin"), (trial_ended(), "done")):
             await pilot.press("asterisk", "enter")
-            asked = pilot.feed.last(r.AskTrial)
-            assert isinstance(asked, r.AskTrial)
+            asked = pilot.feed.last(AskTrial)
+            assert isinstance(asked, AskTrial)
             assert asked.what == what
             await pilot.tell(message)
 
@@ -57,10 +58,10 @@ async def test_a_trial_that_does_not_count_gets_a_word(key: str, what: str) -> N
     async with piloted_console(study_scene.welcome(study_scene.trial())) as pilot:
         await pilot.press("asterisk", key)
         await pilot.type("fire alarm")
-        assert pilot.feed.last(r.AskTrial) is None
+        assert pilot.feed.last(AskTrial) is None
         await pilot.press("enter")
-        asked = pilot.feed.last(r.AskTrial)
-        assert isinstance(asked, r.AskTrial)
+        asked = pilot.feed.last(AskTrial)
+        assert isinstance(asked, AskTrial)
         assert (asked.what, asked.text) == (what, "fire alarm")
 
 
@@ -72,10 +73,10 @@ async def test_a_trial_that_somebody_else_has_ended_meanwhile_is_not_mistaken_fo
         await pilot.press("asterisk", *(("a",) if key == "a" else ()))
         await pilot.tell(trial_ended(2), study_scene.trial(3, ago=0))
         await pilot.press(*(("d",) if key == "d" else (*"fell", "enter")))
-        assert pilot.feed.last(r.AskTrial) is None
+        assert pilot.feed.last(AskTrial) is None
         assert "Trial 2 is over already" in pilot.text("StopBar")
         await pilot.press("asterisk", "d")
-        assert pilot.feed.last(r.AskTrial) is not None
+        assert pilot.feed.last(AskTrial) is not None
 
 
 async def test_a_break_and_its_end() -> None:
@@ -85,7 +86,7 @@ async def test_a_break_and_its_end() -> None:
         await pilot.pass_time(65)
         assert "break 01:05" in pilot.text("StatusLines")
         await pilot.press("asterisk", "r")
-        asked = [request.what for request in pilot.feed.asked if isinstance(request, r.AskTrial)]
+        asked = [request.what for request in pilot.feed.asked if isinstance(request, AskTrial)]
         assert asked == ["break", "resume"]
         await pilot.tell(m.BreakEnded(t=NOW + 66 * SECOND))
         assert "break" not in pilot.text("StatusLines")
@@ -116,7 +117,7 @@ async def test_what_a_trial_demands_is_offered_when_it_is_done() -> None:
             pilot.feed.deliver(trial_ended())
             return r.Reply(ref=ref, ok=True)
 
-        pilot.feed.answers[r.AskTrial] = done
+        pilot.feed.answers[AskTrial] = done
         await pilot.press("asterisk", "d")
         await pilot.until(lambda: isinstance(pilot.console.dialog, OfferDialog))
         await pilot.settle()
@@ -137,7 +138,7 @@ async def test_what_an_excluded_trial_demands_is_offered_too() -> None:
             pilot.feed.deliver(trial_ended(4, "excluded"))
             return r.Reply(ref=ref, ok=True)
 
-        pilot.feed.answers[r.AskTrial] = excluded
+        pilot.feed.answers[AskTrial] = excluded
         await pilot.press("asterisk", "x", "enter")
         await pilot.until(lambda: isinstance(pilot.console.dialog, OfferDialog))
 
@@ -286,7 +287,7 @@ async def test_before_it_covers_the_screen_the_wizard_reads_how_to_come_back() -
 
 async def test_a_refusal_is_told() -> None:
     async with piloted_console(study_scene.welcome()) as pilot:
-        pilot.feed.answers[r.AskTrial] = lambda asked, ref: r.Reply(
+        pilot.feed.answers[AskTrial] = lambda asked, ref: r.Reply(
             ref=ref, ok=False, reason="no condition is set", hint="choose the order first"
         )
         await pilot.press("asterisk", "b")
@@ -338,9 +339,9 @@ async def test_leaving_lists_what_is_open_in_one_dialog() -> None:
         for line in ("marks it as done.", "robot has not been answered: skip", "visit has not"):
             assert line in pilot.drawn()
         await pilot.press("up", "up", "up", "enter")
-        asked = [each for each in pilot.feed.asked if isinstance(each, r.AskTrial | r.AskEnd)]
-        assert [type(each) for each in asked] == [r.AskTrial, r.AskEnd]
-        assert isinstance(asked[0], r.AskTrial)
+        asked = [each for each in pilot.feed.asked if isinstance(each, AskTrial | r.AskEnd)]
+        assert [type(each) for each in asked] == [AskTrial, r.AskEnd]
+        assert isinstance(asked[0], AskTrial)
         assert asked[0].what == "done"
         assert pilot.feed.last(AskQuestionnaire) is None
 
@@ -357,7 +358,7 @@ async def test_a_trial_that_is_marked_done_brings_its_questionnaire() -> None:
         assert "This visit has not been answered" not in pilot.drawn()
         await pilot.press("enter", "up", "enter")
         done, asked = (each for each in pilot.feed.asked if isinstance(each, ENDING))
-        assert isinstance(done, r.AskTrial)
+        assert isinstance(done, AskTrial)
         assert done.what == "done"
         assert isinstance(asked, AskQuestionnaire)
         assert asked.questionnaire == "quick"
@@ -373,7 +374,7 @@ async def test_the_answer_about_one_trial_is_none_about_the_next() -> None:
 
 async def test_a_trial_that_cannot_be_marked_done_ends_no_session() -> None:
     async with piloted_console(study_scene.welcome(study_scene.trial(3))) as pilot:
-        pilot.feed.answers[r.AskTrial] = lambda asked, ref: r.Reply(
+        pilot.feed.answers[AskTrial] = lambda asked, ref: r.Reply(
             ref=ref, ok=False, reason="no trial is running"
         )
         await pilot.press("ctrl+q", "down", "down", "down", "enter", "up", "enter")

@@ -15,13 +15,15 @@ log = logging.getLogger(__name__)
 
 class StudyNews(NamedTuple):
     """A sentence for the wizard and its look. `right`: names of the actions that would have been
-    right instead; `command`: that of the console which helps, and what to do with it.
+    right instead; `command`: that of the console which helps, and what to do with it. `run`: of
+    which action it is true; if that is refused, it is not said.
     """
 
     text: str
     look: str
     right: tuple[str, ...] = ()
     command: tuple[str, str] = ("", "")
+    run: str = ""
 
 
 class FeatureNotes:

@@ -7,14 +7,10 @@ from dataclasses import dataclass, field
 
 from woz_tui.console.state.feature_notes import AllNotes, StudyNews
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.action_messages import HANDS
 from woz_tui.timeline.session_state import SessionState
 
 #: Sentences for the wizard that may wait to be read.
 _MOST_NEWS = 8
-#: Sources of actions that a wizard plays by hand.
-_HANDS = HANDS - {"program", "phase"}
-_OUTSIDE = StudyNews("Played outside of a trial", "warn", command=("trial", "begin one"))
 
 
 @dataclass(slots=True)
@@ -24,8 +20,6 @@ class StudyView:
     session: SessionState = field(default_factory=SessionState)
     #: What features keep for the screen.
     notes: AllNotes = field(init=False)
-    #: The run of which it was said that no trial is under way; empty: not yet since the last one.
-    _outside_run: str = ""
     _news: deque[StudyNews] = field(default_factory=lambda: deque(maxlen=_MOST_NEWS))
 
     def __post_init__(self) -> None:
@@ -74,14 +68,10 @@ class StudyView:
         """Work a message in that `session` has taken."""
         self._news.extend(self.notes.apply(message))
         match message:
-            case m.ActionRequested(run=run, source=source) if source in _HANDS:
-                self._outside(run)
-            case m.ActionRefused(run=run) if run == self._outside_run:  # nothing was played
-                self._outside_run = ""
-                if _OUTSIDE in self._news:
-                    self._news.remove(_OUTSIDE)
-            case m.TrialEnded():
-                self._outside_run = ""
+            case m.ActionRefused(run=run) if run:
+                told = [news for news in self._news if news.run != run]
+                self._news.clear()
+                self._news.extend(told)
             case m.TrialStarted():
                 first = self.session.study.last_ended is None
                 missing = self.unticked() if first else []
@@ -89,14 +79,6 @@ class StudyView:
                     what = "item is" if len(missing) == 1 else "items are"
                     text = f"{len(missing)} preflight {what} not ticked"
                     self._news.append(StudyNews(text, "warn", command=("preflight", "list them")))
-
-    def _outside(self, run: str) -> None:
-        """Say once that what is played belongs to no trial, in a study that has trials."""
-        study = self.session.study
-        apart = study.trial is not None or study.in_break is not None or self._outside_run
-        if study.designed and not apart:
-            self._outside_run = run
-            self._news.append(_OUTSIDE)
 
     def follow(self) -> None:
         """Take over what `session` holds."""

@@ -10,6 +10,7 @@ class Study(Feature):
     kinds = "kinds:KINDS"
     section = "section:DESIGN"
     keys = "keys.json"
+    notes = "console:TrialNotes"
     console = "console:CONSOLE"
     gate = "gate:GATE"
     session = "in_session:TrialController"

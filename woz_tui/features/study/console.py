@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from woz_tui.console.drawing.cells import clean
 from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.feature_notes import FeatureNotes, StudyNews
 from woz_tui.console.widgets.feature_console import (
     EndAnswer,
     EndQuestion,
@@ -15,6 +16,39 @@ from woz_tui.console.widgets.feature_console import (
     under_way,
 )
 from woz_tui.features.study.kinds import AskTrial
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import HANDS
+from woz_tui.timeline.session_state import SessionState
+
+#: Sources of actions that a wizard plays by hand.
+_HANDS = HANDS - {"program", "phase"}
+
+
+class TrialNotes(FeatureNotes):
+    """Says once that what is played belongs to no trial, in a study that has trials."""
+
+    hears = (m.ActionRequested, m.ActionRefused, m.TrialEnded)
+
+    def __init__(self, session: SessionState) -> None:
+        super().__init__(session)
+        #: The run of which it was said; empty: not yet since the last trial.
+        self._run = ""
+
+    def apply(
+        self, message: m.ActionRequested | m.ActionRefused | m.TrialEnded
+    ) -> StudyNews | None:
+        study = self.session.study
+        match message:
+            case m.ActionRequested(run=run, source=source) if source in _HANDS and not self._run:
+                if study.between_trials and study.in_break is None:
+                    self._run = run
+                    begin = ("trial", "begin one")
+                    return StudyNews("Played outside of a trial", "warn", command=begin, run=run)
+            case m.ActionRefused(run=run) if run == self._run:  # nothing was played
+                self._run = ""
+            case m.TrialEnded():
+                self._run = ""
+        return None
 
 
 def _start_dialog(state: ConsoleState) -> str | None:

@@ -8,9 +8,10 @@ from typing import Any
 
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.rig import experiment
-from woz_tui.config.study import Design, Study
 from woz_tui.features.lsl.kinds import LslAdopted, LslLost
 from woz_tui.features.lsl.section import LSL, LslSettings, TakenEntry
+from woz_tui.features.study.design import Design
+from woz_tui.features.study.section import DESIGN
 from woz_tui.protocol import messages as m
 
 TAKES = (
@@ -26,9 +27,9 @@ SENT = {
 }
 
 
-def lab(folder: Path, study: Study | None = None) -> ServedSession:
-    made = experiment(folder)
-    made = replace(made, sections={LSL: LslSettings(take=TAKES)}, study=study or made.study)
+def lab(folder: Path, design: Design | None = None) -> ServedSession:
+    sections = {LSL: LslSettings(take=TAKES), DESIGN: design}
+    made = replace(experiment(folder), sections=sections)
     return served_session(folder, made=made)
 
 
@@ -63,7 +64,7 @@ async def test_what_is_taken_is_used_as_the_file_says(tmp_path: Path) -> None:
 
 async def test_what_others_call_their_stimuli_does_not_unblind_the_wizard(tmp_path: Path) -> None:
     design = Design(blind={"warm": "A", "cold": "B"})
-    async with lab(tmp_path, Study(design=design)) as rig:
+    async with lab(tmp_path, design) as rig:
         wizard = await rig.connect()
         await wizard.hello("wizard")
         peer = await program(rig)

@@ -73,13 +73,12 @@ class LslInSession(SessionFeature):
                 raise RequestError("a reading is a number")
             hub.publish(m.Reading(sensor=entry.called, value=request.value, driver=SOURCE))
             return
-        design = self.session.experiment.study.design
         marker = m.Marker(
             text=request.text[:MOST_TEXT],
             at=min(max(request.at, 0), hub.now()),
             source="program" if entry.as_ == "cue" else SOURCE,
             # What another program calls its stimuli may say which condition this is.
-            tells=("condition",) if design is not None and design.blind else (),
+            tells=("condition",) if self.session.state.study.settings.blind else (),
         )
         hub.publish(marker)
 

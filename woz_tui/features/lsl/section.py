@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
+from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import FeatureSection, FileContents
 from woz_tui.config.problems import quoted
 from woz_tui.config.reload_changes import changed_entries, changed_settings
@@ -115,7 +116,8 @@ class LslSection(FeatureSection[LslSettings | None]):
         alike = replace(old, take=new.take)
         return *changed_settings("lsl", alike, new), *changed_entries("stream", *takes)
 
-    def summary(self, section: LslSettings | None) -> Iterable[tuple[str, str]]:
+    def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        section = self.of(experiment)
         if section is None:
             return
         sensors = f", {', '.join(section.sensors)}" if section.sensors else ""

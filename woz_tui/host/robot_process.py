@@ -45,6 +45,7 @@ from woz_tui.system.clock import RealClock
 from woz_tui.system.session_sockets import bind, next_session, running, socket_path, starting
 
 if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
+    from woz_tui.host.companions import Companions
     from woz_tui.host.remote_access import RemoteAccess
     from woz_tui.host.rerun_session import RerunOptions, RerunSession
     from woz_tui.replay.rerun_plan import RerunPlan
@@ -249,6 +250,7 @@ async def _serve(
     LoopWatchdog(session.drivers, session.hub)
     reason = "crashed"
     remote: RemoteAccess | None = None
+    companions: list[Companions] = []
     try:
         await session.open()
         _tell_left_out(session, options.left_out)
@@ -260,6 +262,7 @@ async def _serve(
         host.listen(listener)
         if options.listen:
             remote = _let_in(options.listen, host)
+        companions = _companions(host)
         if options.announce:
             _announce(path, recorder)
         _give_keys_priority()
@@ -278,6 +281,8 @@ async def _serve(
                 await remote.close()
             await host.close()
             _leave_within(EXIT_LIMIT_S)
+            for each in companions:
+                await each.close()
     return 0
 
 
@@ -323,6 +328,27 @@ def _let_in(address: str, host: SessionServer) -> RemoteAccess:
 
     hub.listen(adopt, m.ExperimentReloaded)
     return remote
+
+
+def _companions(host: SessionServer) -> list[Companions]:
+    """Start the programs that features want beside the session, also after a reload. None or one;
+    most sessions have none.
+    """
+    hub, features_of = host.session.hub, host.session.features
+    running: list[Companions] = []
+
+    def adopt(message: m.ExperimentReloaded | None = None) -> None:
+        commands = features_of.companions()
+        if commands and not running:
+            from woz_tui.host.companions import Companions  # noqa: PLC0415 - few sessions have one
+
+            running.append(Companions(host.path, hub.publish))
+        for each in running:
+            each.adopt(commands)
+
+    hub.listen(adopt, m.ExperimentReloaded)
+    adopt()
+    return running
 
 
 def _note_participant(participants: set[str], message: m.SessionChanged) -> None:

@@ -229,6 +229,10 @@ class SessionFeature:
         """Its lines of the preflight list."""
         return ()
 
+    def companion(self) -> str:
+        """The command of `woz` that is to run beside the session; empty: none."""
+        return ""
+
 
 class PerformingFeature(SessionFeature, Performer):
     """One that carries out verbs: those of its section, under the name of `Feature.performer`.
@@ -261,7 +265,7 @@ _FAILED = "\0"
 #: Where features are asked or told something; those that have nothing to do there are passed by.
 _HOOKS = (
     *("begin", "prepare", "close", "play", "after_play", "adopt", "hold", "drop", "begin_anew"),
-    *("allow_next", "tell_owed", "front", "fact", "findings"),
+    *("allow_next", "tell_owed", "front", "fact", "findings", "companion"),
 )
 
 
@@ -462,6 +466,14 @@ class SessionFeatures:
             for name, feature in [*self._with["findings"].items()]
             for finding in self._safely(name, feature.findings, nothing)
         ]
+
+    def companions(self) -> dict[str, str]:
+        """Commands of `woz` that are to run beside the session, by the feature that wants each."""
+        commands = {
+            name: self._safely(name, feature.companion, "")
+            for name, feature in [*self._with["companion"].items()]
+        }
+        return {name: command for name, command in commands.items() if command}
 
     def facts(self) -> dict[str, object]:
         """What their rows of the gate look at, by name."""

@@ -97,6 +97,10 @@ class LslInSession(SessionFeature):
         for stream, sent in there:
             self.session.hub.publish(LslLost(stream=stream, why="woz lsl has ended", outgoing=sent))
 
+    def companion(self) -> str:
+        settings = LSL.of(self.session.experiment)
+        return "lsl" if settings is not None and settings.start else ""
+
     def findings(self) -> list[Finding]:
         """Whether somebody records, and which streams are there."""
         if not self._console:

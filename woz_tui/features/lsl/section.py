@@ -57,6 +57,9 @@ class TakenEntry(Entry):
 class LslSettings:
     """What `woz lsl` sends and takes."""
 
+    start: Annotated[
+        bool, Doc("`woz lsl` is started with the session; off: start it yourself, also elsewhere")
+    ] = True
     prefix: Annotated[
         str,
         Pattern(r"[A-Za-z][A-Za-z0-9_-]{0,30}", "letters, digits, - and _"),
@@ -87,6 +90,8 @@ class LslKeys:
 
 class LslSection(FeatureSection[LslSettings | None]):
     """The section, or None where the file has none."""
+
+    in_trainings = False  # nobody is recorded in one
 
     def read(
         self, table: Mapping[str, Cursor], file: Any, contents: FileContents

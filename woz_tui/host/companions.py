@@ -1,0 +1,127 @@
+"""Programs of features that run beside a session, each in a process of its own.
+
+One that ends is started again. The session waits for none of them.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from woz_tui.protocol.messages import Notice
+from woz_tui.system.retry_pauses import RetryPauses
+from woz_tui.system.tasks import end_tasks
+from woz_tui.system.text_cleaning import one_line
+
+#: Pauses before one is started again, in seconds, and how long one that works runs at least.
+_FIRST_PAUSE_S, _LONGEST_PAUSE_S, _WORKS_S = 1.0, 60.0, 10.0
+#: How long it may take to end by itself when the session has ended, in seconds.
+_END_S = 2.0
+_MOST_TEXT = 400
+
+log = logging.getLogger(__name__)
+
+
+class Companions:
+    """The programs beside one session, by the feature whose each is.
+
+    Args:
+        socket: The session's.
+        publish: Takes what the wizard is to know.
+    """
+
+    def __init__(self, socket: Path, publish: Callable[[Notice], object]) -> None:
+        self._socket = socket
+        self._publish = publish
+        self._running: dict[str, Companion] = {}
+
+    def adopt(self, commands: Mapping[str, str]) -> None:
+        """From here on these run, each a command of `woz`, and no others."""
+        for name in [each for each in self._running if each not in commands]:
+            self._running.pop(name).end_soon()
+        for name, command in commands.items():
+            if name not in self._running:
+                companion = Companion(command, self._socket, self._publish)
+                self._running[name] = companion
+                companion.start()
+
+    async def close(self) -> None:
+        """The session has ended: they end, too."""
+        await asyncio.gather(*(each.close() for each in self._running.values()))
+        self._running.clear()
+
+
+class Companion:
+    """One program, `woz COMMAND SOCKET`."""
+
+    def __init__(self, command: str, socket: Path, publish: Callable[[Notice], object]) -> None:
+        self._words: Sequence[str] = "-P", "-m", "woz_tui", command, str(socket)
+        self._called = f"`woz {command}`"
+        self._publish = publish
+        self._process: asyncio.subprocess.Process | None = None
+        self._task: asyncio.Task[None] | None = None
+        self._told = ""
+
+    def start(self) -> None:
+        """Begin; it is kept running."""
+        self._task = asyncio.get_running_loop().create_task(self._keep())
+
+    def end_soon(self) -> None:
+        """Run it no more."""
+        if self._task is not None:
+            self._task.cancel()
+
+    async def close(self) -> None:
+        """It ends with its session, or is ended."""
+        process = self._process
+        if process is not None:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(_END_S):
+                    await process.wait()
+        await end_tasks(self._task)
+
+    async def _keep(self) -> None:
+        pauses = RetryPauses(_FIRST_PAUSE_S, _LONGEST_PAUSE_S)
+        while True:
+            began = time.monotonic()
+            try:
+                said = await self._once()
+            except OSError as error:
+                said = str(error)
+            if self._process is not None and self._process.returncode == 0:
+                return  # its session has ended
+            works = time.monotonic() - began >= _WORKS_S
+            if works or said != self._told:
+                self._told = said
+                what = "has ended and is started again" if works else "does not run"
+                text = f"{self._called} {what}{said and f': {said}'}"
+                self._publish(Notice(level="warning", text=text))
+            await asyncio.sleep(pauses.after(works))
+
+    async def _once(self) -> str:
+        """Until it ends; what it said for people last, or at all: libraries write there, too."""
+        self._process = process = await asyncio.create_subprocess_exec(
+            sys.executable,
+            *self._words,
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.DEVNULL,
+            stderr=asyncio.subprocess.PIPE,
+        )
+        said = for_people = ""
+        try:
+            assert process.stderr is not None
+            async for line in process.stderr:
+                said = one_line(line.decode(errors="replace").strip())[:_MOST_TEXT]
+                log.info("%s: %s", self._called, said)
+                for_people = said if said.startswith("woz: ") else for_people
+            await process.wait()
+        finally:
+            if process.returncode is None:
+                process.kill()  # it may stand still
+                await process.wait()
+        return (for_people or said).removeprefix("woz: ")

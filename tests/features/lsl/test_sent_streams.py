@@ -144,6 +144,25 @@ async def test_a_taker_that_dies_freezes_and_returns_costs_nobody_anything(tmp_p
     assert words.count("mark") == 5, "what was sent while it stood still came later"
 
 
+async def test_a_program_that_stands_still_holds_nobody_up_and_sends_it_later(
+    tmp_path: Path,
+) -> None:
+    env, file = own_network(tmp_path), tmp_path / "lab.xdf"
+    async with served_session(tmp_path) as rig, sending(rig, env) as program:
+        async with recording(rig, file, env):
+            since = rig.lines[-1].seq
+            program.process.send_signal(signal.SIGSTOP)
+            await act(rig, 5)  # each is answered, and the last one has been done
+            program.process.send_signal(signal.SIGCONT)
+            await end(rig, program)
+        lines = {line.seq: line for line in rig.lines}
+    sent = recorded(file)["woz-events"]
+    assert not missing(rig, sent, since)
+    zero = int(sent.about["monotonic_us"]) / 1e6
+    off = [abs(stamp - zero - lines[line["seq"]].t / 1e6) for line, stamp in events(sent)]
+    assert max(off) < 10e-6, "late is not later"
+
+
 async def test_the_log_says_who_takes_the_streams_and_that_they_are_gone(tmp_path: Path) -> None:
     env = own_network(tmp_path)
     async with served_session(tmp_path) as rig, sending(rig, env) as program:

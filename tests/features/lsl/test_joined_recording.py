@@ -21,10 +21,11 @@ from tests.features.lsl.laboratory import (
     sending,
 )
 from tests.features.lsl.test_sent_streams import act, end
-from tests.host.rig import served_session
+from tests.features.lsl.test_taken_streams import EYES, found, lab, send, source
 from woz_tui.cli import main
 from woz_tui.export.log_sources import ExportError
 from woz_tui.export.other_recording import OtherRecording
+from woz_tui.features.lsl.section import TakenEntry
 from woz_tui.protocol import messages as m
 
 #: An amplifier without a head: 50 values a second.
@@ -39,13 +40,19 @@ while True:
 
 
 async def recorded_study(folder: Path) -> tuple[Path, Path]:
-    """A log, and the recording of the session beside an EEG."""
+    """A log, and the recording of the session beside an EEG and an eye tracker."""
     env, file = own_network(folder), folder / "lab.xdf"
-    async with served_session(folder) as rig, sending(rig, env) as program:
-        async with running(sys.executable, "-c", EEG, env=env) as amp:
+    async with lab(folder, TakenEntry("eyes")) as rig, sending(rig, env) as program:
+        async with (
+            running(sys.executable, "-c", EEG, env=env) as amp,
+            running(*source(*EYES), env=env) as eyes,
+        ):
             assert await amp.begins("there")
-            async with recording(rig, file, env, "amp"):
+            await found(rig)
+            async with recording(rig, file, env, "amp", "eyes"):
                 await act(rig, 5)
+                await send(eyes, "fixation")
+                await rig.until(lambda: len(rig.of(m.Marker)) == 6)
                 await end(rig, program)
         return rig.recorder.path, file
 
@@ -74,9 +81,11 @@ async def test_onsets_are_in_the_time_of_the_eeg(
     markers = streams["woz-markers"]
     first = streams["amp"].stamps[0]
     marked = [t for t, w in zip(markers.stamps, markers.values, strict=True) if w == "mark"]
-    found = onsets(out)
-    assert sorted(found) == [f"secret {number}" for number in range(5)]
-    assert [*found.values()] == pytest.approx([stamp - first for stamp in marked], abs=10e-6)
+    at = onsets(out)
+    # What the eye tracker sent has the moment of its own stamp, as near as LSL measures the clock.
+    assert at.pop("fixation") == pytest.approx(streams["eyes"].stamps[0] - first, abs=0.001)
+    assert sorted(at) == [f"secret {number}" for number in range(5)]
+    assert [*at.values()] == pytest.approx([stamp - first for stamp in marked], abs=10e-6)
     (about,) = out.rglob("*_events.json")
     assert json.loads(about.read_text())["Recording"]["Stream"] == "amp"
     validated(out)

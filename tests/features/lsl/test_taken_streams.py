@@ -31,6 +31,15 @@ for line in sys.stdin:
     outlet.push_sample([value if form == pylsl.cf_string else float(value)], stamp)
     print("sent", stamp, flush=True)
 """
+#: Another one: sends a thousand texts at once when it gets a line.
+FLOOD = """
+import sys, pylsl
+outlet = pylsl.StreamOutlet(pylsl.StreamInfo("eyes", "Markers", 1, 0, pylsl.cf_string, "a-flood"))
+print("there", flush=True)
+for line in sys.stdin:
+    for number in range(1000):
+        outlet.push_sample(["\\x1b[2J" + "x" * 5000])
+"""
 EYES = "eyes", "Markers", "cf_string"
 
 
@@ -130,3 +139,19 @@ async def test_numbers_are_readings_no_faster_than_the_file_says(tmp_path: Path)
             await send(eyes, "later")
             await rig.until(lambda: rig.of(m.Marker))
         assert rig.values("heart") == [71.5]
+
+
+async def test_a_flood_is_taken_in_part_and_the_rest_is_counted(tmp_path: Path) -> None:
+    env = own_network(tmp_path)
+    async with (
+        lab(tmp_path, TakenEntry("eyes")) as rig,
+        sending(rig, env),
+        running(sys.executable, "-c", FLOOD, env=env) as flood,
+    ):
+        await found(rig)
+        assert flood.process.stdin is not None
+        flood.process.stdin.write(b"now\n")
+        await rig.until(lambda: len(rig.of(m.Marker)) + rig.of(LslClock)[-1].too_fast == 1000)
+    markers = rig.of(m.Marker)
+    assert 100 <= len(markers) < 1000
+    assert all(len(each.text) <= 200 and each.text.isprintable() for each in markers)

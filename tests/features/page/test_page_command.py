@@ -24,6 +24,7 @@ from tests.host.rig import served_session
 from tests.session.rig import WAIT_S, ScriptedDriver, experiment
 from woz_tui.cli import main
 from woz_tui.drivers.contract import Argument, Job, Offer, Verb
+from woz_tui.features.page.qr import drawn, modules
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 
@@ -78,6 +79,27 @@ async def test_the_robots_tablet_shows_the_participants_page(tmp_path: Path) -> 
         assert await asyncio.wait_for(process.wait(), WAIT_S) == 0
 
 
+def test_an_address_as_a_qr_code_has_all_modules_and_a_margin() -> None:
+    dark = modules("http://192.168.4.1:8080/join/0123456789abcdef01234567")
+    assert len(dark) == len(dark[0]) >= 25
+    lines = drawn(dark, colours=False)
+    halves = {"█": (True, True), "▀": (True, False), "▄": (False, True), " ": (False, False)}
+    rows = [[halves[cell][half] for cell in line] for line in lines for half in (0, 1)]
+    assert [row[4:-4] for row in rows[4 : 4 + len(dark)]] == dark
+    assert not any(any(row) for row in rows[:4] + rows[4 + len(dark) :])
+    assert not any(any(row[:4] + row[-4:]) for row in rows)
+    coloured = drawn(dark, colours=True)
+    assert [line[len("\x1b[30;107m") : -len("\x1b[0m")] for line in coloured] == lines
+
+
+def test_without_the_package_for_qr_codes_it_is_named(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "segno", None)
+    assert main(["page", "--qr"]) == 1
+    assert "QR codes need the package `segno`" in capsys.readouterr().err
+
+
 def certificate(folder: Path) -> tuple[Path, Path]:
     """A certificate for 127.0.0.1 that has signed itself, and its key."""
     key = ec.generate_private_key(ec.SECP256R1())
@@ -95,6 +117,23 @@ def certificate(folder: Path) -> tuple[Path, Path]:
     (folder / "page.pem").write_bytes(made.public_bytes(Encoding.PEM))
     (folder / "page.key").write_bytes(key.private_bytes(*form))
     return folder / "page.pem", folder / "page.key"
+
+
+async def test_the_wizard_reads_that_pages_are_not_encrypted(tmp_path: Path) -> None:
+    async with served_session(tmp_path) as host:
+        process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "woz_tui", "page", str(host.path)),
+            *("--at", "0.0.0.0:0", "--plain"),
+            stdout=asyncio.subprocess.PIPE,
+        )
+        assert process.stdout is not None
+        said = [await asyncio.wait_for(process.stdout.readline(), WAIT_S) for _ in range(5)]
+        assert b"whoever is in this network can read the pages" in said[-1]
+        attached = await host.published(lambda line: isinstance(line, m.ConsoleAttached))
+        assert isinstance(attached, m.ConsoleAttached)
+        assert (attached.role, attached.name) == ("watcher", "page, not encrypted")
+        process.terminate()
+        assert await asyncio.wait_for(process.wait(), WAIT_S) == 0
 
 
 async def test_with_a_certificate_pages_and_forms_are_encrypted(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.session_choice import JoinedSession, add_session_choice, joined_session
 from woz_tui.client import WozError, connect
 from woz_tui.console.link.message_feed import Loss
+from woz_tui.features.page.qr import MissingQrError, drawn, modules
 from woz_tui.features.page.visitors import PageRole, Visitors
 from woz_tui.network.listen_address import ListenAddress
 from woz_tui.system.tasks import until_first_ends
@@ -29,6 +30,8 @@ OPEN = (
     "Without encryption: whoever is in this network can read the pages, what participants answer"
     " included. For a network of your own only."
 )
+#: For whom the page of a role is, above its QR code.
+_FOR = {PageRole.WATCH: "To watch:", PageRole.ANSWER: "The participant:"}
 #: Nobody listens there: it only says by which of its addresses this computer reaches others.
 _ELSEWHERE = ("192.0.2.1", 9)
 
@@ -67,6 +70,11 @@ def add(parser: ArgumentParser) -> None:
         help="a further name by which browsers call this computer, such as robot.local",
     )
     parser.add_argument(
+        "--qr",
+        action="store_true",
+        help="print the addresses for the participant and to watch as QR codes, too",
+    )
+    parser.add_argument(
         "--tablet",
         action="store_true",
         help="show the participant's page on the robot's own tablet (its verb `screen`)",
@@ -75,11 +83,13 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Serve until the session ends, or ctrl+c."""
-    return with_error_sentences(lambda: _serve(arguments), PageError, ConnectionError, OSError)
+    return with_error_sentences(lambda: _serve(arguments), PageError, MissingQrError, OSError)
 
 
 def _serve(arguments: Namespace) -> int:
     at, tls = _address(arguments)
+    if arguments.qr:
+        modules("")  # else it would fail when somebody waits already
     with joined_session(arguments.access, arguments.session, "woz page") as session:
         if session is None:
             return 1
@@ -127,7 +137,9 @@ async def _pages(
     say = partial(print, flush=True)
     explain: Callable[[Loss], Loss] | None = session.line.explained if session.line else None
     own = {socket.gethostname(), f"{socket.gethostname()}.local", "localhost", *arguments.name}
-    server = PageServer(session.path, own, say, explain)
+    is_open = tls is None and not _is_here(at.host)
+    name = "page, not encrypted" if is_open else "page"
+    server = PageServer(session.path, own, say, explain, name=name)
     stopped = asyncio.Event()
     asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, stopped.set)
     try:
@@ -136,7 +148,10 @@ async def _pages(
         here = f"{scheme}://{_reached(host)}:{port}"
         for line in _told(server.visitors, here):
             say(line)
-        if tls is None and not _is_here(at.host):
+        for role in PageRole if arguments.qr else ():
+            code = modules(f"{here}/join/{server.visitors.codes[role]}")
+            say("", _FOR[role], *drawn(code, colours=sys.stdout.isatty()), sep="\n")
+        if is_open:
             say(OPEN)
         if arguments.tablet:
             await _show_on_tablet(session, _participants_address(server.visitors, here))

@@ -26,6 +26,7 @@ class SessionFollower:
         explain: As for `HostConnection`.
         clock: The time against which messages age.
         heard: Is given each message, once the state has taken it.
+        name: What the wizard's events call it.
     """
 
     def __init__(
@@ -34,7 +35,9 @@ class SessionFollower:
         role: str,
         explain: Callable[[Loss], Loss] | None = None,
         clock: Clock | None = None,
+        *,
         heard: Callable[[Incoming], None] = lambda message: None,
+        name: str = "page",
     ) -> None:
         self._heard = heard
         self.state = ConsoleState()
@@ -42,7 +45,7 @@ class SessionFollower:
         self.news = asyncio.Event()
         self._clock = clock or RealClock()
         self._feed = HostConnection(
-            path, role=role, name="page", explain=explain, clock=self._clock, unattended=True
+            path, role=role, name=name, explain=explain, clock=self._clock, unattended=True
         )
         self._waiting: dict[int, asyncio.Future[Reply]] = {}
         self._loop = asyncio.get_running_loop()

@@ -48,12 +48,15 @@ class ParticipantSeat:
         path: The session's socket.
         clock: For how long something was on the page, where the page itself does not say.
         explain: As for `HostConnection`.
+        name: What the wizard's events call it.
     """
 
     def __init__(
-        self, path: Path, clock: Clock, explain: Callable[[Loss], Loss] | None = None
+        self, path: Path, clock: Clock, explain: Callable[[Loss], Loss] | None, name: str
     ) -> None:
-        self.follower = SessionFollower(path, "participant", explain, clock, self._hear)
+        self.follower = SessionFollower(
+            path, "participant", explain, clock, heard=self._hear, name=name
+        )
         self.news = News()
         #: Whether the last questionnaire is over, so that somebody is to be thanked.
         self.thanks = False

@@ -59,6 +59,7 @@ class PageServer:
         tell: Is told what whoever began this has to know, such as a new code for the class.
         explain: As for `HostConnection`.
         clock: For times that pass here.
+        name: What the wizard's events call it.
     """
 
     def __init__(
@@ -67,15 +68,17 @@ class PageServer:
         names: Collection[str] = (),
         tell: Callable[[str], None] = lambda text: None,
         explain: Callable[[Loss], Loss] | None = None,
+        *,
         clock: Clock | None = None,
+        name: str = "page",
     ) -> None:
         clock = clock or RealClock()
-        self.watching = SessionFollower(session, "watcher", explain, clock)
+        self.watching = SessionFollower(session, "watcher", explain, clock, name=name)
         self.visitors = Visitors(
             lambda code: tell(f"Too many wrong codes: the class's code is {code} now."), clock
         )
         self._names = frozenset(name.lower() for name in names)
-        self._join_session = partial(ParticipantSeat, session, clock, explain)
+        self._join_session = partial(ParticipantSeat, session, clock, explain, name)
         self._seats: dict[str, ParticipantSeat] = {}
         self._news = News()
         self._over = asyncio.Event()

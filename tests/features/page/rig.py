@@ -109,10 +109,12 @@ async def pages(
     names: tuple[str, ...] = (),
     told: list[str] | None = None,
     clock: Clock | None = None,
+    *,
+    debrief: bool = False,
 ) -> AsyncIterator[PageRig]:
     """Pages of this session until the block ends."""
     tell = (told if told is not None else []).append
-    server = PageServer(session.path, names, tell, clock=clock)
+    server = PageServer(session.path, names, tell, clock=clock, debrief=debrief)
     async with AsyncExitStack() as stack:
         host, port = await server.start(ListenAddress("127.0.0.1", 0))
         stack.push_async_callback(server.close)

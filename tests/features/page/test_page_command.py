@@ -37,6 +37,7 @@ from woz_tui.protocol.messages import Json
         (["--at", "8080"], "'8080' is no address"),
         (["--at", ":1", "--certificate", "a.pem"], "--certificate and --key belong together"),
         (["--certificate", "no.pem", "--key", "no.key"], "no.pem: "),
+        (["--debrief", "--access", "a.pem"], "--debrief needs the log"),
         (["nobody"], "no session is running at "),
     ],
 )

@@ -171,8 +171,11 @@ async def test_a_participant_answers_on_a_phone_and_loads_the_page_anew(
     made = study_experiment(tmp_path, STUDY, {QUESTIONNAIRES: Asked((TLX,))})
     opened.size(360, 640)
 
-    def answer(item: str, value: int) -> None:
+    def asked(item: str) -> None:
         opened.until(lambda: opened.driver.find_elements(By.XPATH, f"//legend[.='{item}?']"))
+
+    def answer(item: str, value: int) -> None:
+        asked(item)
         opened.hands().click(opened.one(f"input[name=value][value='{value}']")).perform()
         # A double tap.
         opened.hands().double_click(opened.one("button[value=answer]")).perform()
@@ -190,6 +193,7 @@ async def test_a_participant_answers_on_a_phone_and_loads_the_page_anew(
             for number, item in enumerate(TLX.items):
                 await aside(answer, item.name, number)
                 if number == 2:
+                    await aside(asked, TLX.items[3].name)
                     await aside(opened.driver.refresh)
             await aside(opened.until, lambda: opened.all("button[value=done]"))
             wide = "return document.documentElement.scrollWidth" if scripts else "return 360"
@@ -239,3 +243,19 @@ async def test_without_javascript_the_page_is_whole(tmp_path: Path, opened: Page
         with scripts_allowed(opened, False):
             await join(opened, rig, PageRole.WATCH)
             assert (await aside(opened.one, "#title")).text == "Made by hand"
+
+
+async def test_the_report_after_the_end_works_as_a_page_of_its_own(
+    tmp_path: Path, opened: Page
+) -> None:
+    opened.size(1400, 900)
+    async with served_session(tmp_path) as host, pages(host, debrief=True) as rig:
+        await join(opened, rig, PageRole.WATCH)
+        await aside(opened.until, lambda: opened.text("#title") == "Made by hand")
+        host.session.hub.publish(m.SessionEnd(reason="ended"))
+        await host.host.close()
+        await aside(opened.until, lambda: opened.visible("#debrief a") == 1)
+        await aside(lambda: opened.one("#debrief a").click())
+        ready = "return document.documentElement.dataset.ready"
+        await aside(opened.until, lambda: opened.run(ready) == "yes")
+        assert await aside(opened.complaints) == []

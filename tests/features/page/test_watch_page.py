@@ -132,3 +132,33 @@ async def test_large_for_a_projector_and_without_javascript(tmp_path: Path) -> N
         assert '<noscript><meta http-equiv="refresh" content="3"></noscript>' in page
         _, page = await watcher.get("/watch?big")
         assert '<body class="watch big">' in page
+
+
+async def test_after_the_end_those_who_watched_read_the_report(tmp_path: Path) -> None:
+    async with served_session(tmp_path) as host, pages(host, debrief=True) as rig:
+        watcher, stranger = await rig.watcher(), await rig.stranger()
+        async with watcher.news("/watch/news") as reader:
+            await reader.until(lambda view: view["title"] == "Made by hand")
+            assert (await watcher.get("/watch/debrief"))[0] == 404
+            host.session.hub.publish(m.SessionEnd(reason="ended"))
+            await host.host.close()
+            view = await reader.until(lambda view: view["debrief"])
+            assert view["plays"] == "The session is over"
+        status, page = await watcher.get("/watch/debrief")
+        assert status == 200
+        assert "session report</title>" in page
+        assert (await stranger.get("/watch/debrief"))[0] == 403
+
+
+async def test_without_a_report_it_is_said_why(tmp_path: Path) -> None:
+    told: list[str] = []
+    async with served_session(tmp_path) as host, pages(host, told=told, debrief=True) as rig:
+        watcher = await rig.watcher()
+        async with watcher.news("/watch/news") as reader:
+            await reader.until(lambda view: view["title"] == "Made by hand")
+            for file in (tmp_path / "recordings").iterdir():
+                file.unlink()
+            host.session.hub.publish(m.SessionEnd(reason="ended"))
+            await host.host.close()
+            await reader.until(lambda view: view["over"])
+        assert "There is no report for those who watched: " in told[0]

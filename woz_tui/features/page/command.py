@@ -70,6 +70,12 @@ def add(parser: ArgumentParser) -> None:
         help="a further name by which browsers call this computer, such as robot.local",
     )
     parser.add_argument(
+        "--debrief",
+        action="store_true",
+        help="when the session is over, show its report to all who watch, conditions included;"
+        " until ctrl+c",
+    )
+    parser.add_argument(
         "--qr",
         action="store_true",
         help="print the addresses for the participant and to watch as QR codes, too",
@@ -88,6 +94,8 @@ def run(arguments: Namespace) -> int:
 
 def _serve(arguments: Namespace) -> int:
     at, tls = _address(arguments)
+    if arguments.debrief and arguments.access is not None:
+        raise PageError("--debrief needs the log, which is on the robot's computer: begin it there")
     if arguments.qr:
         modules("")  # else it would fail when somebody waits already
     with joined_session(arguments.access, arguments.session, "woz page") as session:
@@ -139,7 +147,7 @@ async def _pages(
     own = {socket.gethostname(), f"{socket.gethostname()}.local", "localhost", *arguments.name}
     is_open = tls is None and not _is_here(at.host)
     name = "page, not encrypted" if is_open else "page"
-    server = PageServer(session.path, own, say, explain, name=name)
+    server = PageServer(session.path, own, say, explain, name=name, debrief=arguments.debrief)
     stopped = asyncio.Event()
     asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, stopped.set)
     try:

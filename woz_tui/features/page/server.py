@@ -18,6 +18,8 @@ from aiohttp.http import HttpProcessingError
 
 from woz_tui.console.link.message_feed import Loss
 from woz_tui.features.page.answer_page import answer_page
+from woz_tui.features.page.debrief import HEADERS as DEBRIEF_HEADERS
+from woz_tui.features.page.debrief import DebriefError, report_of
 from woz_tui.features.page.follower import SessionFollower
 from woz_tui.features.page.html import ASSETS, asset, code_form, say
 from woz_tui.features.page.news import News, within
@@ -60,6 +62,8 @@ class PageServer:
         explain: As for `HostConnection`.
         clock: For times that pass here.
         name: What the wizard's events call it.
+        debrief: Whoever watches can read the session's report when it is over, until this is
+            closed.
     """
 
     def __init__(
@@ -71,12 +75,16 @@ class PageServer:
         *,
         clock: Clock | None = None,
         name: str = "page",
+        debrief: bool = False,
     ) -> None:
         clock = clock or RealClock()
         self.watching = SessionFollower(session, "watcher", explain, clock, name=name)
         self.visitors = Visitors(
             lambda code: tell(f"Too many wrong codes: the class's code is {code} now."), clock
         )
+        self._tell, self._debriefs = tell, debrief
+        self._report = ""
+        self._reporting: asyncio.Task[None] | None = None
         self._names = frozenset(name.lower() for name in names)
         self._join_session = partial(ParticipantSeat, session, clock, explain, name)
         self._seats: dict[str, ParticipantSeat] = {}
@@ -117,11 +125,13 @@ class PageServer:
     async def until_over(self) -> None:
         """Wait until the session has ended and its last words could be read."""
         await self._over.wait()
+        if self._report:
+            await asyncio.Event().wait()  # it is read until somebody ends this
         await asyncio.sleep(FAREWELL_S)
 
     async def close(self) -> None:
         """Let everybody go."""
-        await end_tasks(self._following)
+        await end_tasks(self._following, self._reporting)
         self._news.close()
         for seat in self._seats.values():
             await seat.close()
@@ -136,6 +146,7 @@ class PageServer:
             web.get("/join/{code}", self._join),
             web.get("/watch", self._watch),
             web.get("/watch/news", self._watch_news),
+            web.get("/watch/debrief", self._debrief),
             web.get("/answer", self._answer),
             web.post("/answer", self._answered),
             web.get("/answer/news", self._answer_news),
@@ -261,6 +272,23 @@ class PageServer:
 
     # -- news --------------------------------------------------------------------------------------
 
+    async def _make_report(self, log: Path) -> None:
+        try:
+            self._report = await report_of(log)
+        except DebriefError as error:
+            self._tell(f"There is no report for those who watched: {error}")
+            self._debriefs = False
+        self._over.set()
+
+    async def _debrief(self, request: web.Request) -> web.Response:
+        if self._browser(request, PageRole.WATCH) is None:
+            return _html(code_form("A code is needed to watch."), 403)
+        if not self._report:
+            return _refused(404, "Not yet", "The report comes when the session is over.")
+        answer = _html(self._report)
+        answer.headers.update(DEBRIEF_HEADERS)
+        return answer
+
     async def _streamed(self, request: web.Request, news: News) -> web.StreamResponse:
         if not is_own_stream(request.headers, _own_origin(request)):
             return _refused(403, "Not from here", "No page of this server has asked for this.")
@@ -271,7 +299,8 @@ class PageServer:
     def _view(self) -> View:
         """What the page shows now, without the codes, which a program may have sent to a tablet."""
         codes = self.visitors.codes.values()
-        return watch_view(self.watching.state, self.watching.now, codes)
+        view = watch_view(self.watching.state, self.watching.now, codes)
+        return view | {"over": view["over"] and not self._debriefs, "debrief": bool(self._report)}
 
     async def _follow(self) -> None:
         """Look at the session, at most so many times a second."""
@@ -279,7 +308,10 @@ class PageServer:
             await within(TICK_S, self.watching.news.wait())
             self.watching.news.clear()
             self._news.publish(self._view())
-            if self.watching.state.ended:
+            state = self.watching.state
+            if state.ended and state.lost and self._debriefs and self._reporting is None:
+                self._reporting = asyncio.create_task(self._make_report(Path(state.log)))
+            if state.ended and not self._debriefs:
                 self._over.set()
             await asyncio.sleep(UPDATE_S)
 
@@ -295,7 +327,9 @@ def _own_origin(request: web.Request) -> str:
 
 
 async def _add_headers(request: web.Request, response: web.StreamResponse) -> None:
-    response.headers.update(SECURITY_HEADERS)
+    """Unless a page has its own."""
+    for name, value in SECURITY_HEADERS.items():
+        response.headers.setdefault(name, value)
     response.headers["Server"] = "woz"
 
 

@@ -24,6 +24,12 @@ def watch_page(view: View, *, big: bool = False) -> str:
         _place("div", view, "stop", role="alert"),
         _place("div", view, "lost", role="alert"),
         tag(
+            "p",
+            tag("a", "The report of this session", href="/watch/debrief", class_="button"),
+            id="debrief",
+            hidden=not view["debrief"],
+        ),
+        tag(
             "main",
             tag(
                 "section",

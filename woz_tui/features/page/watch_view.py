@@ -50,6 +50,7 @@ def watch_view(state: ConsoleState, now: int, kept: Collection[str] = ()) -> Vie
         "phase": "".join(text for text, _ in present_row(state, frame, _TITLE)).strip(),
         "stop": _stop(state),
         "over": bool(state.ended),
+        "debrief": False,
         "lost": state.lost.part.title if state.lost and not state.ended else "",
         "engagement": _engagement(state),
         "events": [_event(event, state, frame, kept) for event in listed_events(state, EVENTS)],

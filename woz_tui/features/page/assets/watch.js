@@ -61,7 +61,9 @@ function show(news) {
   for (const [name, told] of Object.entries(news)) {
     const element = place(name);
     if (!element) continue;
-    if (name in lists) {
+    if (name === "debrief") {
+      element.hidden = !told;
+    } else if (name in lists) {
       fill(element, told, lists[name]);
     } else {
       element.textContent = told;
@@ -76,7 +78,7 @@ source.onmessage = (message) => {
   const news = JSON.parse(message.data);
   show(news);
   document.body.dataset.fresh = "yes";
-  if (news.over) source.close();
+  if (news.over || news.debrief) source.close();
 };
 source.onerror = () => {
   document.body.dataset.fresh = "no";

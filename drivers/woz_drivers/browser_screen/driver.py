@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from woz_drivers.browser_screen import doctor
 from woz_drivers.browser_screen.settings import BrowserScreenSettings
 from woz_drivers.browser_screen.window import BrowserWindow, NobodyLooksError, NotPaintedError
 from woz_tui.drivers import argument_values
@@ -16,10 +17,12 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     DriverFacts,
+    Finding,
     Health,
     Job,
     Offer,
     PassiveDriver,
+    Probe,
     RejectedError,
     Verb,
 )
@@ -68,6 +71,11 @@ class BrowserScreen(PassiveDriver):
             evidence="reported",
         )
         return Offer(verbs=(screen, words))
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Whether a browser could be let in."""
+        return [await asyncio.to_thread(doctor.examine, probe)]
 
     async def open(self) -> None:
         """Begin to listen."""

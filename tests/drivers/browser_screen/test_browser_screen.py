@@ -15,7 +15,7 @@ from woz_drivers.browser_screen import BrowserScreen, BrowserScreenSettings
 from tests.analysis.html.browser import browser
 from tests.fakes.ports import free_port
 from tests.fakes.screen_browser import ScreenBrowser
-from woz_tui.drivers.contract import DeviceLostError, DriverError, Health, RejectedError
+from woz_tui.drivers.contract import DeviceLostError, DriverError, Health, Probe, RejectedError
 from woz_tui.testing import Device, DriverTests, PlainJob, RecordingContext, until
 
 PICTURE = b"\x89PNG of a test"
@@ -157,6 +157,19 @@ async def test_a_port_that_is_taken_is_said(tmp_path: Path) -> None:
         await late.open()
         await until(lambda: any(health is Health.LOST for health, _, _ in other.healths))
         await late.close()
+
+
+async def test_the_doctor_says_whether_a_browser_could_be_let_in(tmp_path: Path) -> None:
+    async with on_stage(tmp_path) as stage:
+        await until(lambda: len(stage.context.healths) > 1)
+        (taken,) = await BrowserScreen.examine(Probe("screen", stage.screen.settings))
+        assert (taken.level, taken.remedy) == ("error", "give it another address (`listen`)")
+    (free,) = await BrowserScreen.examine(Probe("screen", settings_here()))
+    assert free.level == "ok"
+    everywhere = BrowserScreenSettings(f"0.0.0.0:{free_port()}", plain=True)
+    (public,) = await BrowserScreen.examine(Probe("screen", everywhere))
+    assert public.level == "warning"
+    assert "without encryption" in public.text
 
 
 @pytest.mark.browser

@@ -176,7 +176,8 @@ class BidsExporter(Exporter):
         for place, rows in scans.items():
             name = f"{place}/{place.replace('/', '_')}_scans.tsv"
             write_table(self._folder, name, ["filename", "acq_time"], rows)
-        self._participants()
+        if self._conditions:
+            self._participants()
         write_json(self._folder, "dataset_description.json", self._description())
         super().finish(summaries)
 

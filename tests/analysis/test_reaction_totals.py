@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
+
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.figures import Reactions
+from woz_tui.analysis.html.reaction_plot import reaction_curves
 from woz_tui.analysis.reaction_totals import ReactionTotals, early_sentences, reactions_table
 
 SECOND = 1_000_000
@@ -38,6 +41,20 @@ def test_the_middle_is_that_of_the_participants() -> None:
     assert found.median_us == 3 * SECOND
     [row] = reactions_table({"warm": found}).rows
     assert list(row[:9]) == ["warm", "9", "7", "", "2", "", "", "3", "3.00 s"]
+
+
+def test_the_picture_rises_from_what_was_early_to_what_was_answered() -> None:
+    found = totals(({"answered": 2, "answered_early": 1, "missed": 1, "cut": 9}, [2.5, 5.0]))
+    curves = reaction_curves({"warm": found, "cold": totals(({"cut": 1}, []))})
+    assert curves is not None
+    path, _of_the_name = re.findall(r' d="([^"]+)"', curves)
+    bottom, top = 176.0, 12.0
+    heights = [float(each) for each in re.findall(r"(?:V|M40 )([\d.]+)", path)]
+    shares = [(bottom - each) / (bottom - top) for each in heights]
+    assert shares == [0.25, 0.5, 0.75]
+    assert [float(each) for each in re.findall(r"H([\d.]+)", path)] == [110.0, 180.0, 320.0]
+    assert "warm 75.0 % within the window" in curves
+    assert reaction_curves({"cold": totals(({"cut": 1}, []))}) is None
 
 
 def test_beyond_the_window_nobody_knows() -> None:

@@ -9,11 +9,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from woz_tui.analysis.html.outcome_plots import comparison, distribution
+from woz_tui.analysis.html.reaction_plot import reaction_curves
 from woz_tui.analysis.intervals import Estimate
 from woz_tui.analysis.outcome_tables import caption, differences_sentence
 from woz_tui.analysis.outcomes import Outcome
 from woz_tui.analysis.participant_groups import GroupedSessions
-from woz_tui.analysis.reaction_totals import reactions_table
+from woz_tui.analysis.reaction_totals import REACTION_WORDS, REACTIONS, reactions_table
 from woz_tui.analysis.report_table import ReportTable
 from woz_tui.system.files import replace
 from woz_tui.system.text_cleaning import cell
@@ -41,6 +42,10 @@ def write_figures(folder: Path, grouped: GroupedSessions) -> None:
             known[plain] = number = known.get(plain, 0) + 1  # the scale was changed
             for name, text in _files(outcome, f"{plain}-{number}" if number > 1 else plain):
                 replace(place / name, text, mode=0o600, durable=False)
+        if curves := reaction_curves(found.reactions):
+            replace(place / "reactions.svg", curves, mode=0o600, durable=False)
+            words = f"{REACTIONS}\n{REACTION_WORDS}\n"
+            replace(place / "reactions.txt", words, mode=0o600, durable=False)
         for name, table in (
             ("reactions", reactions_table(found.reactions)),
             ("participants", found.flow.table()),

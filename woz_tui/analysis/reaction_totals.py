@@ -24,6 +24,14 @@ WITHIN_S = (1, 2, 3, 5)
 EARLY_SHARE = 0.1
 
 
+#: The picture's heading, and what stands below it.
+REACTIONS = "Cues answered in time"
+REACTION_WORDS = (
+    "Of all cues that stayed open (neither superseded nor cut), the share that was answered within "
+    "a time. What was answered early is there at 0 s; what is missing at the end was missed."
+)
+
+
 @dataclass(slots=True)
 class ReactionTotals:
     """The cues of one condition, of all participants whom means include."""
@@ -52,6 +60,16 @@ class ReactionTotals:
         return self.cues - self.results["superseded"] - self.results["cut"]
 
     @property
+    def early(self) -> int:
+        """Those that were answered early."""
+        return self.results["answered_early"]
+
+    @property
+    def answered(self) -> int:
+        """Those that were answered within the window, or early."""
+        return self.times.n + self.early
+
+    @property
     def median_us(self) -> float | None:
         """The median of the participants' medians; None: nobody answered in time."""
         medians = [each.median for each in self.own.values() if each.median is not None]
@@ -64,12 +82,12 @@ class ReactionTotals:
         if not self.stayed_open or seconds * 1e6 > self.window_us:
             return None
         soon = bisect.bisect_right(self.times.values, round(seconds * 1e6))
-        return (soon + self.results["answered_early"]) / self.stayed_open
+        return (soon + self.early) / self.stayed_open
 
     @property
     def is_early(self) -> bool:
         """Whether so many were answered early that the cue itself comes late."""
-        return self.results["answered_early"] > EARLY_SHARE * self.cues
+        return self.early > EARLY_SHARE * self.cues
 
 
 _TITLES = {
@@ -106,7 +124,7 @@ def reactions_table(found: dict[str, ReactionTotals]) -> ReportTable:
 def early_sentences(found: dict[str, ReactionTotals]) -> list[str]:
     """Warnings of cues that come late."""
     return [
-        f"{condition or 'none'}: {percent(each.results['answered_early'] / each.cues)} of the cues "
+        f"{condition or 'none'}: {percent(each.early / each.cues)} of the cues "
         f"were answered early: the cue (the end of speech) is told late; the wizard is not that "
         f"quick"
         for condition, each in sorted(found.items())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import tempfile
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +20,12 @@ from woz_tui.analysis import figures_json
 from woz_tui.analysis.csv_package import table_files
 from woz_tui.analysis.event_rows import CUE_RESULTS
 from woz_tui.analysis.figure_counting import FigureOptions
+from woz_tui.analysis.figure_files import write_figures
 from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.kept_figures import KeptPlace
 from woz_tui.analysis.measures import TIMES_OF_FEATURES
 from woz_tui.analysis.methods_section import paragraphs
+from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.session_reading import (
     NoSessionError,
     ReportExtras,
@@ -95,10 +99,18 @@ def used(figures: SessionFigures, report: SessionReport) -> None:
     studies.add(figures)
     for facts in studies.found.values():
         assert all(sentence for each in paragraphs(facts) for sentence in each.sentences)
+    grouped = GroupedSessions()
+    for each in (figures, replace(figures, session="another")):
+        grouped.add(each)
+    json.dumps(figures_json.grouped(grouped), allow_nan=False)
     if report.timeline is not None:
         assert "</html>" in render([report])
     with tempfile.TemporaryDirectory() as folder, table_files(Path(folder)) as sheets:
         sheets.add(figures)
+        write_figures(Path(folder) / "figures", grouped)
+        place = KeptPlace(Path(folder) / "kept", "log", "sum")
+        place.keep(figures)
+        assert place.load(SessionFigures) == figures
 
 
 @given(ANY)

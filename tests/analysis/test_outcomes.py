@@ -38,6 +38,7 @@ from woz_tui.protocol import messages as m
 
 WARM, SOBER = [4.0, 2.0, 6.0, 3.0, 5.0], [6.0, 5.0, 7.0, 3.0, 6.0]
 QUESTION = "How pleasant was it?"
+ENDS = ("not at all", "very much")
 #: What somebody answers: a number, `None` for what was left out, or how the round ended.
 Reply = float | str | None
 
@@ -48,7 +49,9 @@ def play(
     """A trial with a question of one item behind it."""
     session.add(at, m.TrialStarted(trial=trial, condition=condition)).act(at + 10)
     session.add(at + 60, m.TrialEnded(trial=trial, outcome="done"))
-    item: dict[str, m.Json] = {"name": "pleasant", "question": QUESTION, "low": 1, "high": high}
+    item: dict[str, m.Json] = {
+        "name": "pleasant", "question": QUESTION, "low": 1, "high": high, "ends": [*ENDS],
+    }  # fmt: skip
     session.add(
         at + 61, QuestionnaireStarted(questionnaire="ux", title="", items=[item], trial=trial)
     )
@@ -218,6 +221,18 @@ def test_pictures_are_files_with_a_table_beside_each(
     assert float(difference["interval_low"]) == pytest.approx(-2.816, abs=5e-4)
     assert difference["condition"] == "warm - sober (paired)"
     assert (tmp_path / "ux.pleasant.svg").stat().st_mode & 0o777 == 0o600
+
+
+def test_the_ends_of_a_scale_stand_at_both(within: GroupedSessions, tmp_path: Path) -> None:
+    write_figures(tmp_path, within)
+    head = f"{QUESTION} (1 not at all to 7 very much)"
+    assert conditions_table(pleasant(within)).title == head
+    assert (tmp_path / "ux.pleasant.txt").read_text().startswith(head)
+    for name in ("ux.pleasant.svg", "ux.pleasant-answers.svg"):
+        words = re.findall(
+            r">([^<>]*(?:not at all|very much))</text>", (tmp_path / name).read_text()
+        )
+        assert [each.lstrip("17 ") for each in words] == [*ENDS]
 
 
 def test_a_picture_has_a_line_for_each_participant(

@@ -11,7 +11,7 @@ from pathlib import Path
 from woz_tui.analysis.html.outcome_plots import comparison, distribution
 from woz_tui.analysis.html.reaction_plot import reaction_curves
 from woz_tui.analysis.intervals import Estimate
-from woz_tui.analysis.outcome_tables import caption, differences_sentence
+from woz_tui.analysis.outcome_tables import caption, differences_sentence, heading
 from woz_tui.analysis.outcomes import Outcome
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.reaction_totals import REACTION_WORDS, REACTIONS, reactions_table
@@ -64,7 +64,7 @@ def _files(outcome: Outcome, name: str) -> Iterator[tuple[str, str]]:
 
 def _words(outcome: Outcome) -> str:
     """The caption, for below the picture."""
-    sentences = (outcome.name.title, caption(outcome), differences_sentence(outcome))
+    sentences = (heading(outcome.name), caption(outcome), differences_sentence(outcome))
     return "\n".join(filter(None, sentences)) + "\n"
 
 

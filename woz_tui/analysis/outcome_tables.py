@@ -50,7 +50,7 @@ def conditions_table(outcome: Outcome) -> ReportTable:
         for each in outcome.summaries()
     ]
     heads = ["Condition", "Asked", "n", "Missing", "Mean", f"{_LEVEL} interval", "SD", "Median"]
-    return ReportTable(_title(name), heads, rows)
+    return ReportTable(heading(name), heads, rows)
 
 
 def _middle(name: OutcomeName, each: ConditionSummary) -> Sequence[str]:
@@ -65,7 +65,8 @@ def _middle(name: OutcomeName, each: ConditionSummary) -> Sequence[str]:
     )
 
 
-def _title(name: OutcomeName) -> str:
+def heading(name: OutcomeName) -> str:
+    """Its title, and of a scale its ends with what they are called."""
     if name.low is None or name.high is None:
         return name.title
     low, high = (

@@ -8,7 +8,12 @@ from woz_tui.analysis.html.figure_definitions import table
 from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
 from woz_tui.analysis.html.outcome_plots import comparison, distribution
 from woz_tui.analysis.html.reaction_plot import reaction_curves
-from woz_tui.analysis.outcome_tables import caption, conditions_table, differences_sentence
+from woz_tui.analysis.outcome_tables import (
+    caption,
+    conditions_table,
+    differences_sentence,
+    heading,
+)
 from woz_tui.analysis.outcomes import Outcome
 from woz_tui.analysis.reaction_totals import (
     REACTION_WORDS,
@@ -40,5 +45,5 @@ def _figure(outcome: Outcome) -> Markup:
     if sentence := differences_sentence(outcome):
         words.append(tag("p", isolated(sentence), class_="difference"))
     pictures = tag("div", comparison(outcome), distribution(outcome), class_="pictures")
-    head = tag("figcaption", tag("h4", isolated(outcome.name.title)), words)
+    head = tag("figcaption", tag("h4", isolated(heading(outcome.name))), words)
     return tag("figure", head, pictures, table(conditions_table(outcome)), class_="outcome")

@@ -26,7 +26,7 @@ class AnswerRow(ContextRow):
     """The last answer to an item in one round of a questionnaire; `t` is when it was given.
 
     `value` is None for texts and for what was left out; `low` and `high` are None unless the item
-    is a scale.
+    is a scale, and `ends` says what they are called.
     """
 
     questionnaire: str
@@ -40,6 +40,7 @@ class AnswerRow(ContextRow):
     answered_us: int | None
     low: float | None = None
     high: float | None = None
+    ends: tuple[str, str] = ("", "")
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,6 +226,7 @@ def answers(timeline: Timeline) -> Iterator[AnswerRow]:
                 answered_us=answer.answered_us if answer.answered_us >= 0 else None,
                 low=_number(item.get("low")),
                 high=_number(item.get("high")),
+                ends=_ends(item.get("ends")),
                 counted=counts,
             )
 
@@ -294,6 +296,13 @@ def _numbered(timeline: Timeline) -> Iterator[tuple[QuestionnaireEpisode, int]]:
 def _items(questionnaire: QuestionnaireEpisode) -> Mapping[str, Mapping[str, Any]]:
     listed = questionnaire.started.items if questionnaire.started is not None else []
     return {str(item.get("name", "")): item for item in listed}
+
+
+def _ends(told: object) -> tuple[str, str]:
+    match told:
+        case [str(low), str(high)]:
+            return low, high
+    return "", ""
 
 
 def _number(value: object) -> float | None:

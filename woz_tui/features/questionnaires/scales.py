@@ -68,7 +68,11 @@ class _ScaleOutcomes:
             return
         key = (answer.questionnaire, answer.item, answer.low, answer.high)
         name = OutcomeName(
-            f"{answer.questionnaire}.{answer.item}", answer.question, "", answer.low, answer.high
+            name=f"{answer.questionnaire}.{answer.item}",
+            title=answer.question,
+            low=answer.low,
+            high=answer.high,
+            ends=answer.ends,
         )
         there = self._scales.setdefault(key, Outcome(name)).at(answer.condition)
         there.asked.add(who)

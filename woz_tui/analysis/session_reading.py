@@ -163,25 +163,16 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
-class _Readings:
-    """Gives each reading to those that take its sensor: most of a log are of sensors that nobody
-    asks for.
-    """
+class _Takers(dict[str, list[Callable[[Reading], None]]]):
+    """By sensor, what takes its readings: most of a log are of sensors that nobody asks for."""
 
     def __init__(self, *takers: Callable[[str], Callable[[Reading], None] | None]) -> None:
+        super().__init__()
         self._takers = takers
-        self._of: dict[str, list[Callable[[Reading], None]]] = {}
-        self.latest_us = -1
 
-    def add(self, sample: Reading) -> None:
-        """The next reading."""
-        self.latest_us = max(self.latest_us, sample.t)
-        found = self._of.get(sample.sensor)
-        if found is None:
-            named = (taker(sample.sensor) for taker in self._takers)
-            found = self._of[sample.sensor] = [take for take in named if take is not None]
-        for take in found:
-            take(sample)
+    def __missing__(self, sensor: str) -> list[Callable[[Reading], None]]:
+        found = self[sensor] = [take for each in self._takers if (take := each(sensor)) is not None]
+        return found
 
 
 def _read_report(
@@ -191,24 +182,26 @@ def _read_report(
     timeline, curves, line_count = Timeline(), SensorCurves(), LineCount()
     people = PeopleTimes()
     samples = extras.curves or extras.people
-    readings = _Readings(people.takes, curves.takes)
+    takers, latest_us = _Takers(people.takes, curves.takes), -1
     lines, some = 0, False
     for message in messages(path, damage, places=places, samples=samples):
         if type(message) is Reading:
-            readings.add(message)
+            latest_us = max(latest_us, message.t)
+            for take in takers[message.sensor]:
+                take(message)
             continue
         line_count.add(message)
         if isinstance(message, LogLine):
             lines += not message.sample
             continue
         some = True
-        people.now(readings.latest_us)
+        people.now(latest_us)
         people.add(message)
         if not is_sample(message):
             lines += 1
             timeline.apply(message)  # a session lasts from its first to its last line of actions
-    some = some or readings.latest_us >= 0
-    people.now(readings.latest_us)
+    some = some or latest_us >= 0
+    people.now(latest_us)
     if not some:
         raise NoSessionError(f"{path}: {'; '.join(damage.sentences()) or 'it contains no session'}")
     timeline.finish()

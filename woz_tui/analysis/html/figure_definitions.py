@@ -5,6 +5,8 @@ The sentences are those of the measures, as in docs/reference/report.md and besi
 
 from __future__ import annotations
 
+from functools import cache
+
 from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
 from woz_tui.analysis.measures import BY_NAME, title_of
 from woz_tui.analysis.report_table import AlarmText, LogText, ReportTable
@@ -13,6 +15,7 @@ from woz_tui.analysis.report_tables import DEFINED
 _PERCENTILE = "half, and 95 of 100, of the values are at most this; linear between neighbours"
 
 
+@cache
 def defined(measure: str, text: str = "") -> Markup:
     """The title of a measure, leading to its definition."""
     meaning = BY_NAME[measure].meaning.replace("`", "")
@@ -46,6 +49,7 @@ def wide(content: Markup, name: str) -> Markup:
     return tag("div", content, class_="wide", tabindex=0, role="region", aria_label=name)
 
 
+@cache
 def glossary() -> Markup:
     """The definitions of all figures on the page."""
     entries = [

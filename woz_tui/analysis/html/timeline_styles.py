@@ -7,6 +7,7 @@ kinds of colour vision tell apart; no meaning rests on colour alone.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 from woz_tui.analysis.html.markup import Markup, joined, tag
 
@@ -64,6 +65,7 @@ def symbols() -> Markup:
     return tag("svg", tag("defs", joined(drawn)), class_="unseen", aria_hidden="true")
 
 
+@cache
 def swatch(sort: str) -> Markup:
     """A small picture of the sort, for tables and legends."""
     if SORTS[sort].path:

@@ -250,6 +250,17 @@ def test_what_was_understood_so_far_is_shown_while_it_is_said() -> None:
     assert "where is the cloakroom" in meters(*speaks, reading, speech_ended, text)
 
 
+def test_what_two_texts_so_far_have_in_common_is_firm_and_the_rest_is_faint() -> None:
+    so_far = [
+        scenes.reading(NOW - ago * SECOND, "speech", None, text=text, driver="microphone")
+        for ago, text in ((2, "where is the row"), (1, "where is the roman glass"))
+    ]
+    scene = (engagement_scene.engagement_shown("UserSpeaks"), engagement_scene.speaks())
+    found = looks(*scene, *so_far)
+    assert (found["“where is the"], found["roman glass …"]) == ("good", "faint")
+    assert looks(*scene, so_far[0])["where is the row …"] == "faint", "nothing is firm yet"
+
+
 def test_the_robots_own_voice_is_nowhere_on_the_screen() -> None:
     before = engagement_scene.engagement_shown("RobotReplies")
     began = m.SpeechStarted(driver="microphone", segment=9, began=NOW - 3 * SECOND, own=True, t=NOW)

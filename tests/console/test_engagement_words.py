@@ -80,6 +80,10 @@ def test_what_a_state_brings_with_it_is_no_line_unless_it_fails() -> None:
 def test_what_was_heard_is_a_line_and_so_is_what_was_not_understood() -> None:
     speech_text = m.SpeechText(driver="mic", segment=1, text="hello robot", t=NOW)
     assert line(speech_text) == ("heard", "“hello robot”", "heard")
+    late = m.SpeechText(
+        driver="mic", segment=1, text="hello", took_us=1_260_000, overlap=True, t=NOW
+    )
+    assert line(late) == ("heard", "“hello”", "heard 1.3 s later, into the robot's sentence")
     own = m.SpeechText(driver="mic", segment=1, text="hello visitor", own=True, t=NOW)
     assert event_lines(own) == [], "its action is a line already"
     nothing = m.SpeechText(driver="mic", segment=1, text="", t=NOW)

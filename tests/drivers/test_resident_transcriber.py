@@ -89,6 +89,7 @@ async def test_it_is_started_once_and_understands_sentence_after_sentence(
     one, two = await texts(published, pipe, 2)
     assert (one.segment, one.text, one.detail) == (1, SECOND, "")
     assert (two.segment, two.text, two.confidence) == (2, SECOND, 0.75)
+    assert (two.language, two.partials, two.first_us) == ("en", 0, None)
     ended = published.all(SpeechEnded)[1]
     (word,) = two.words
     assert (word.text, word.began - ended.began, word.ended - ended.began) == (
@@ -214,6 +215,8 @@ async def test_what_is_said_so_far_is_shown_while_they_speak(
     final = await published.first(SpeechText)
     assert final.text == f"hello {44 + 14 * BLOCK}"
     assert so_far()[1:] == [final.text], "it takes the place of the text so far"
+    assert (final.partials, final.revised) == (1, 0)
+    assert final.first_us is not None
     assert [line["do"] for line in journal_entries(journal)] == ["start", "request", "request"]
 
 
@@ -222,6 +225,14 @@ async def test_parts_of_an_answer_are_shown_before_it(begin: Begin, pipe: PipedC
     await texts(published, pipe, 1)
     so_far = [reading.text for reading in published.all(Reading) if reading.sensor == SPEECH]
     assert so_far == ["hel", SECOND]
+
+
+async def test_a_program_may_tell_the_language_that_it_found(
+    begin: Begin, pipe: PipedCommand
+) -> None:
+    _, published = await begin("language")
+    (text,) = await texts(published, pipe, 1)
+    assert (text.text, text.language) == (SECOND, "de")
 
 
 async def test_doctor_loads_it(

@@ -15,6 +15,7 @@ is a line of the file JOURNAL.
     error       says why it has no answer
     endless     begins a line that never ends
     long        answers with a line of 900 kB
+    language    says in which language it understood
     parts       tells the text so far before the text
     pause       a voice that is silent for 0.2 s at the end
     raw         a voice that writes raw sound
@@ -86,6 +87,8 @@ def _behave(behaviour: str, journal: Path, request: dict[str, object]) -> None:
                 _write("x" * 65536, end="")
         case "long":
             _write({**answer, "text": "x " * 450_000})
+        case "language":
+            _write({**answer, "language": "de"})
         case "parts":
             _write({"id": number, "text": "hel", "final": False})
             _write(answer)

@@ -124,3 +124,17 @@ def test_halls_spaces(metres: float, space: str) -> None:
 
 def test_no_distance_is_in_no_space() -> None:
     assert zone(math.nan) == ""
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "firm"),
+    [
+        ("", "where is", ""),
+        ("where is the", "Where is the rome", "Where is the"),
+        ("where is the row", "where is the roman glass", "where is the"),
+        ("where is. The", "where is the roman", "where is the"),
+        ("there is", "where is", ""),
+    ],
+)
+def test_what_two_texts_so_far_agree_on_is_firm(before: str, now: str, firm: str) -> None:
+    assert sample_values.agreed(before, now) == firm

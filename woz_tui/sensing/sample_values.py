@@ -144,6 +144,26 @@ def _label(text: str) -> str | None:
     return UNKNOWN if label.casefold() == UNKNOWN.casefold() else label
 
 
+# -- texts so far ----------------------------------------------------------------------------------
+
+
+def agreed(before: str, now: str) -> str:
+    """The beginning of a text so far on which it agrees with the one before, in whole words: what
+    is not likely to be taken back (LocalAgreement-2). The last word of either may be half a word.
+    """
+    same = 0
+    words = now.split()
+    for one, other in zip(before.split(), words, strict=False):
+        if _letters(one) != _letters(other):
+            break
+        same += 1
+    return " ".join(words[:same])
+
+
+def _letters(word: str) -> str:
+    return "".join(letter for letter in word.casefold() if letter.isalnum())
+
+
 # -- distance: Hall's spaces around a person -------------------------------------------------------
 # E. T. Hall, The Hidden Dimension (1966), chapter X; his inches and feet in metres, rounded as
 # usual. On a border a distance belongs to the space beyond.

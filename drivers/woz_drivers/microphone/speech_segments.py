@@ -221,6 +221,7 @@ class SpeechSegments:
                 *(self._segment, file, self._began, self._context.clock.now_us()),
                 self._files.give_back,
                 goes_on=True,
+                voice=self._voice,
             )
         )
 

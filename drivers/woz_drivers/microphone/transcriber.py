@@ -12,6 +12,7 @@ import logging
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -22,6 +23,7 @@ from woz_drivers.programs.resident_program import ResidentProgram
 from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError
 from woz_tui.protocol.messages import SpeechText, SpokenWord
 from woz_tui.sensing.own_voice import is_robots
+from woz_tui.sensing.sample_values import agreed
 from woz_tui.system.tasks import end_tasks
 
 log = logging.getLogger(__name__)
@@ -85,11 +87,32 @@ class TranscribedWord(msgspec.Struct, frozen=True):
 
 
 class Transcript(msgspec.Struct, frozen=True):
-    """What a program says of a file. `confidence` 0 to 1."""
+    """What a program says of a file. `confidence` 0 to 1; `language` in which it was understood."""
 
     text: str = ""
     words: list[TranscribedWord] = []
     confidence: float | None = None
+    language: str = ""
+
+
+@dataclass(slots=True)
+class TextsSoFar:
+    """What was shown of a segment before its text: how many there were, how many took back a word
+    of the one before, and the moment of the first, on the axis of `t`.
+    """
+
+    segment: int = 0
+    shown: int = 0
+    revised: int = 0
+    first: int | None = None
+    last: str = ""
+
+    def show(self, text: str, t: int) -> None:
+        """This is shown now."""
+        self.shown += 1
+        self.revised += len(agreed(self.last, text).split()) < len(self.last.split())
+        self.first = t if self.first is None else self.first
+        self.last = text
 
 
 class TranscribingProgram(Protocol):
@@ -196,7 +219,9 @@ class ResidentTranscriber:
         request = {"file": str(file), **self._request}
         transcript = await self._program.ask(request, Transcript, self._limit_s, part)
         self.warned = False
-        return transcript
+        if transcript.language or "language" not in self._request:
+            return transcript
+        return msgspec.structs.replace(transcript, language=self._request["language"])
 
     def _state(self, state: str, why: str, remedy: str) -> None:
         if state == "lost":
@@ -232,8 +257,9 @@ class Transcriber:
         self._warned = False
         self._busy = False
         self._task: asyncio.Task[None] | None = None
-        #: The text so far that was published last, and when.
-        self._shown, self._shown_us = "", 0
+        #: When a text so far was published last, and those of the segment under way.
+        self._shown_us = 0
+        self._so_far = TextsSoFar()
 
     @property
     def idle(self) -> bool:
@@ -278,7 +304,7 @@ class Transcriber:
         transcript, trouble = Transcript(), DriverError("the session ended meanwhile")
         try:
             file = await _written_file(heard.file)
-            transcript = await self._program.transcribe(file, self._show)
+            transcript = await self._program.transcribe(file, partial(self._show, heard))
         except DriverError as error:
             trouble = error
         except Exception as error:  # one segment that cannot be read must not cost all later ones
@@ -301,25 +327,29 @@ class Transcriber:
             )
         self._warned = bool(trouble.what)
 
-    def _show(self, text: str) -> None:
-        """Publish what is understood so far."""
+    def _show(self, heard: SpeechToTranscribe, text: str) -> None:
+        """Publish what is understood of it so far, unless it is the robot's own voice."""
+        if heard.voice.own:
+            return
+        if self._so_far.segment != heard.segment:
+            self._so_far = TextsSoFar(heard.segment)
         text, now = one_line(text), self._context.clock.now_us()
-        if text and text != self._shown and now - self._shown_us >= _PARTIAL_EVERY_US:
-            self._shown, self._shown_us = text, now
+        if text and text != self._so_far.last and now - self._shown_us >= _PARTIAL_EVERY_US:
+            self._shown_us = now
+            self._so_far.show(text, self._context.t(now))
             self._context.reading(SPEECH, None, text=text)
 
     def _answer(self, heard: SpeechToTranscribe, transcript: Transcript, detail: str) -> None:
         if heard.goes_on:
-            self._show(transcript.text)
+            self._show(heard, transcript.text)
             return
         took_us = max(0, self._context.clock.now_us() - heard.ended_us)
         if not detail:
             self._context.reading(TRANSCRIBER, round(took_us / 1_000_000, 2), unit="s")
         voice = heard.voice.with_words(transcript.text)
-        if not voice.own:
-            if self._shown and not detail:  # the text so far has become this one
-                self._context.reading(SPEECH, None, text=one_line(transcript.text))
-            self._shown = ""
+        so_far = self._so_far if self._so_far.segment == heard.segment else TextsSoFar()
+        if so_far.shown and not detail:  # the text so far has become this one
+            self._context.reading(SPEECH, None, text=one_line(transcript.text))
         message = SpeechText(
             driver=self._driver,
             segment=heard.segment,
@@ -330,6 +360,10 @@ class Transcriber:
             confidence=transcript.confidence,
             own=voice.own,
             overlap=voice.overlap,
+            language=one_line(transcript.language),
+            partials=so_far.shown,
+            revised=so_far.revised,
+            first_us=None if so_far.first is None else max(0, so_far.first - heard.began),
         )
         self._context.tell(message)
 

@@ -52,7 +52,7 @@ def main() -> None:
 
 def transcripts(model: Any, request: dict[str, Any], beam: int) -> Iterator[dict[str, Any]]:
     """The text so far after each part of it, then the whole with its words."""
-    parts, _ = model.transcribe(
+    parts, about = model.transcribe(
         request["file"],
         language=request.get("language"),
         beam_size=beam,
@@ -77,7 +77,8 @@ def transcripts(model: Any, request: dict[str, Any], beam: int) -> Iterator[dict
         ]
     mean = sum(log_probabilities) / len(log_probabilities) if log_probabilities else None
     confidence = None if mean is None else round(math.exp(min(0.0, mean)), 3)
-    yield {"text": text, "words": words, "confidence": confidence}
+    language = getattr(about, "language", None) or ""
+    yield {"text": text, "words": words, "confidence": confidence, "language": language}
 
 
 class _Answers:

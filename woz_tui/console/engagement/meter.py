@@ -142,11 +142,15 @@ def _transcript_row(state: ConsoleState, frame: MeterFrame) -> Row:
     """What was understood last, and when."""
     if state.perception.hides("transcript"):
         return ((HIDDEN, "muted"),)
-    so_far = _so_far(state, frame)
+    so_far, firm = _so_far(state, frame)
     if so_far:
         glyphs = frame.glyphs
-        said = glyphs.plain(clean(so_far))
-        return ((f"{glyphs.opening}{said} {glyphs.ellipsis}", "good"),)
+        said, sure = glyphs.plain(clean(so_far)), glyphs.plain(clean(firm))
+        sure = sure if said.startswith(sure) else ""
+        return (
+            (f"{glyphs.opening}{sure}", "good"),
+            (f"{said.removeprefix(sure)} {glyphs.ellipsis}", "faint"),
+        )
     heard = state.engaged.transcripts()
     if not heard:
         return (_dash(frame),)
@@ -154,13 +158,15 @@ def _transcript_row(state: ConsoleState, frame: MeterFrame) -> Row:
     return ((f"{age(frame.now - last.t)} ago ", "muted"), quoted(last, frame.glyphs))
 
 
-def _so_far(state: ConsoleState, frame: MeterFrame) -> str:
-    """What was understood up to now of what is being said, where a driver tells."""
+def _so_far(state: ConsoleState, frame: MeterFrame) -> tuple[str, str]:
+    """What was understood up to now of what is being said, where a driver tells; and the firm
+    beginning of it.
+    """
     segment = None if state.lost else state.engaged.speaking(frame.now)
     if segment is None:
-        return ""
+        return "", ""
     found = [state.sensor(name) for name in state.sensors if perceived_kind(name) == "transcript"]
-    return next(
+    text = next(
         (
             sensor.text
             for sensor in found
@@ -168,6 +174,7 @@ def _so_far(state: ConsoleState, frame: MeterFrame) -> str:
         ),
         "",
     )
+    return text, state.engaged.firm(segment.driver)
 
 
 def quoted(heard: m.SpeechText, glyphs: Glyphs) -> Piece:

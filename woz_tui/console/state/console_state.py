@@ -368,6 +368,8 @@ class ConsoleState:
             self._perceive(PerceptionFilter(message.hidden, message.blurred))
         if isinstance(message, m.Reading):  # hundreds a second, of which only the last are shown
             self.session.apply(message)
+            if message.text:
+                self.engaged.apply(message)
             return
         recorder = self.session.recorder
         lost = (

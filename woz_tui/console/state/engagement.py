@@ -6,6 +6,7 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from woz_tui.protocol import messages as m
+from woz_tui.sensing.sample_values import agreed
 from woz_tui.timeline.episodes import UtteranceEpisode
 from woz_tui.timeline.session_state import SessionState
 
@@ -27,6 +28,8 @@ class EngagementView:
     changes: deque[m.EngagementChanged] = field(default_factory=lambda: deque(maxlen=CHANGES))
     visitors: dict[str, dict[str, str]] = field(default_factory=dict)
     _transcripts: deque[m.SpeechText] = field(default_factory=lambda: deque(maxlen=HEARD))
+    #: By driver: the last text so far, and its beginning that the one before had already.
+    _so_far: dict[str, tuple[str, str]] = field(default_factory=dict)
 
     @property
     def held(self) -> bool:
@@ -56,6 +59,10 @@ class EngagementView:
                 return spoken if now - spoken.begin < ENDLESS_US else None
         return None
 
+    def firm(self, driver: str) -> str:
+        """The beginning of the last text so far that will hardly be taken back."""
+        return self._so_far.get(driver, ("", ""))[1]
+
     def transcripts(self) -> list[m.SpeechText]:
         """What visitors were understood to say, newest first."""
         return [text for text in reversed(self._transcripts) if text.text and not text.own]
@@ -69,6 +76,12 @@ class EngagementView:
         match message:
             case m.EngagementChanged():
                 self.changes.append(message)
+            case m.Reading(sensor=sensor, driver=driver, text=text) if text:
+                if sensor.rpartition(".")[2] == m.SPEECH_SENSOR:
+                    earlier, _ = self._so_far.get(driver, ("", ""))
+                    self._so_far[driver] = (text, agreed(earlier, text))
+            case m.SpeechStarted(driver=driver):
+                self._so_far.pop(driver, None)
             case m.SpeechText(driver=driver, segment=segment):
                 for before in [*self._transcripts]:  # it was understood once more
                     if (before.driver, before.segment) == (driver, segment):
@@ -83,6 +96,7 @@ class EngagementView:
         """Forget what was: there is no model any more, or it is kept from the wizard."""
         self.changes.clear()
         self._transcripts.clear()
+        self._so_far.clear()
         self.visitors.clear()
 
 

@@ -44,6 +44,8 @@ _VISITOR = {"met": "is back", "learnt": "is new", "profile": "is described"}
 
 #: What comes back so soon behind its driver comes back with it, in microseconds.
 _BACK_US = 3_000_000
+#: A text that came later after the speech says so, in seconds.
+_LATE_S = 0.5
 #: Marks of what is wrong, or needs the wizard.
 _FAULTS = frozenset({"failed", "refused", "warning", "error", "stop"})
 #: Verbs that move something by one step: pressed in a row, they are one line.
@@ -389,7 +391,10 @@ def _transcript_line(message: m.SpeechText, shown: EventContext) -> EventLine | 
     if message.own:  # the robot's voice: its action is there already
         return None
     if message.text.strip():
-        return EventLine("heard", f"“{message.text}”", "heard")
+        late = message.took_us / 1_000_000
+        heard = f"heard {late:.1f} s later" if late >= _LATE_S else "heard"
+        whose = ", into the robot's sentence" if message.overlap else ""
+        return EventLine("heard", f"“{message.text}”", f"{heard}{whose}")
     mark = "warning" if message.detail else "info"
     return EventLine(mark, "Speech not understood", message.detail)
 

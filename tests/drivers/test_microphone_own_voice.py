@@ -13,9 +13,9 @@ from tests.drivers.microphones import microphone_opener
 from tests.drivers.published_messages import PATIENCE_S, PublishedMessages, until
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import RATE, square
+from woz_tui.drivers.own_voice import ROBOT_SPEECH, RobotSentence, RobotSpeech
 from woz_tui.drivers.sound_feeds import LISTENED, SOUND, LiveSound, SoundListened
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted, SpeechText
-from woz_tui.sensing.own_voice import ROBOT_SPEECH, RobotSentence, RobotSpeech
 from woz_tui.system.clock import ManualClock
 
 SECOND = 1_000_000

@@ -19,6 +19,7 @@ from tests.network.other_computer import Arm, OtherComputer, Pair, listens, pair
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import DriverContext, Health
 from woz_tui.drivers.feeds import Feeds
+from woz_tui.drivers.own_voice import ROBOT_SPEECH, RobotSentence, RobotSpeech
 from woz_tui.drivers.plugins import installed
 from woz_tui.drivers.sound_feeds import (
     LISTENED,
@@ -53,6 +54,7 @@ class SeeingArm(Arm):
         self.pictures, self.watched = context.feed(PICTURE), context.feed(WATCHED)
         self.microphone = SoundOffer(context, RATE)
         self.voice = SoundReader(context.feed(VOICE))
+        self.robots = context.feed(ROBOT_SPEECH)
         self.voice_state = context.feed(VOICE_STATE)
         self.voice_state.put(VoiceState(RATE))
 
@@ -103,6 +105,15 @@ async def test_the_microphone_is_heard_while_somebody_listens(tmp_path: Path) ->
         await until(hears)
         order = [int.from_bytes(heard[at : at + 2], "little") for at in range(0, len(heard), 640)]
         assert order == sorted(set(order)), "each piece once, in order"
+
+
+async def test_a_microphone_there_knows_what_the_robots_say(tmp_path: Path) -> None:
+    async with pair(tmp_path, SeeingArm) as two:
+        context, arm = two.context, seeing(two)
+        await until(lambda: bool(context.feeds.drivers(ROBOT_SPEECH)))
+        said = RobotSpeech((RobotSentence("c1", "Hello", 5 * S), RobotSentence("c0", "Hi", 1, 2)))
+        context.feed(ROBOT_SPEECH).put(said)
+        await until(lambda: arm.robots.latest().value == said)
 
 
 async def test_a_voice_reaches_the_loudspeaker_there_and_a_lost_line_switches_it_off(

@@ -24,6 +24,7 @@ from woz_tui.drivers.contract import (
     SensorStatement,
     UnableStatement,
 )
+from woz_tui.drivers.own_voice import RobotSentence
 from woz_tui.protocol.messages import Json
 
 #: Which form of these messages; two sides of different forms do not talk.
@@ -278,6 +279,14 @@ class SoundWanted(_Body, frozen=True, tag="listened"):
     boot_us: int
 
 
+class RobotsSpoke(_Body, frozen=True, tag="spoke"):
+    """What the robots of the session say and have said of late, as `own_voice.RobotSpeech`; times
+    on the axis of the session's messages.
+    """
+
+    sentences: tuple[RobotSentence, ...]
+
+
 ToDriver = (
     DriverHello
     | Pong
@@ -290,6 +299,7 @@ ToDriver = (
     | CameraWanted
     | SoundWanted
     | SoundSent
+    | RobotsSpoke
 )
 FromDriver = (
     Here

@@ -401,7 +401,9 @@ class ServedDriver:
                 self.lose(f"the session has ended it ({why})")
             case dm.AskEnded(id=number, ok=ok, why=why) if self._context is not None:
                 self._context.ask_ended(number, ok, why)
-            case dm.CameraWanted() | dm.SoundWanted() | dm.SoundSent() if self._ready:
+            case dm.CameraWanted() | dm.SoundWanted() | dm.SoundSent() | dm.RobotsSpoke() if (
+                self._ready
+            ):
                 self._shared.take(body, self._ahead_us)
 
     def _on_pong(self, pong: dm.Pong) -> None:

@@ -1,4 +1,5 @@
-"""Feeds of a driver at another computer that reach the session: a camera's pictures, live sound.
+"""Feeds of a driver at another computer that reach the session: a camera's pictures, live sound;
+and what the robots say, which a microphone there has to know.
 
 Both sides look at their feeds a few times a second and send what is new; what the line has no room
 for is dropped, and what comes late is not put into a feed. Values that drivers hand each other many
@@ -10,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from woz_tui.drivers.feeds import Feed, Feeds
+from woz_tui.drivers.own_voice import ROBOT_SPEECH, RobotSpeech
 from woz_tui.drivers.sound_feeds import (
     LISTENED,
     SOUND,
@@ -26,7 +28,7 @@ from woz_tui.protocol.camera_pictures import MOST_PIXELS, PICTURE, WATCHED, Came
 from woz_tui.system.clock import Clock
 
 #: The feeds by which the session knows what a driver has.
-OFFERS = (PICTURE, SOUND, VOICE_STATE)
+OFFERS = (PICTURE, SOUND, VOICE_STATE, ROBOT_SPEECH)
 #: How often feeds are looked at, in seconds.
 LOOK_S = 0.02
 #: Pictures a second, bytes of one and bytes of all a second that are sent at most.
@@ -104,6 +106,8 @@ class ServedFeeds:
     def begin(self) -> None:
         """A session begins to use the driver: it knows nothing yet."""
         self._offered: tuple[str, ...] = ()
+        if self._driver in self._feeds.drivers(ROBOT_SPEECH):
+            self._feed_of(ROBOT_SPEECH).put(None)
         self._sound: SoundReader | None = None
         self._picture = 0
         self._next_us = 0
@@ -156,8 +160,13 @@ class ServedFeeds:
         self._next_us = now + round(0.9 * pause_s * _SECOND)
         yield dm.PictureSent(sent.t_us + ahead_us, sent.width, sent.height, sent.rgb)
 
-    def take(self, sent: dm.CameraWanted | dm.SoundWanted | dm.SoundSent, ahead_us: int) -> None:
+    def take(
+        self, sent: dm.CameraWanted | dm.SoundWanted | dm.SoundSent | dm.RobotsSpoke, ahead_us: int
+    ) -> None:
         """What the session has sent."""
+        if isinstance(sent, dm.RobotsSpoke):
+            self._feed_of(ROBOT_SPEECH).put(RobotSpeech(sent.sentences))
+            return
         now, t_us = self._clock.now_us(), sent.boot_us - ahead_us
         until_us = min(t_us, now + round(LONGEST_WISH_S * _SECOND))
         match sent:
@@ -195,6 +204,7 @@ class SessionFeeds:
         self._offered: tuple[str, ...] = ()
         self._sound = _Sounds(feed_of, SOUND, clock)
         self._voice: SoundReader | None = None
+        self._spoke = 0
         self._next_us: dict[str, int] = {}
 
     @property
@@ -214,6 +224,12 @@ class SessionFeeds:
                 t_us = piece.t_us + self._ahead_us
                 yield dm.SoundSent(VOICE, sound.rate, t_us, piece.pcm, sound.source, sound.lost_s)
 
+        if ROBOT_SPEECH in self._offered:
+            latest = self._feed_of(ROBOT_SPEECH).latest()
+            if latest.serial != self._spoke and isinstance(latest.value, RobotSpeech):
+                self._spoke = latest.serial
+                yield dm.RobotsSpoke(latest.value.sentences)
+
     def _wish(self, topic: str) -> Iterator[dm.ToDriver]:
         now = self._clock.now_us()
         wish = self._feed_of(topic).latest().value
@@ -232,6 +248,7 @@ class SessionFeeds:
         match sent:
             case dm.FeedsNamed(topics=topics):
                 self._offered = tuple(topic for topic in OFFERS if topic in topics)
+                self._spoke = 0
                 for topic in self._offered:
                     self._feed_of(topic)
             case dm.VoiceTaken(rate=rate, on=on):

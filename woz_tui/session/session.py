@@ -25,6 +25,7 @@ from woz_tui.config.performers import ENGAGEMENT, SESSION, performers
 from woz_tui.drivers.argument_check import ArgumentError, checked
 from woz_tui.drivers.contract import Ask, Driver, HandInput, Performer, RejectedError
 from woz_tui.drivers.feeds import Feeds
+from woz_tui.drivers.own_voice import ROBOT_SPEECH
 from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import PlayAction, ReleaseStop, RequestOrigin, SendOwnVerb, SendVerb
 from woz_tui.gate.table import why_not
@@ -35,7 +36,6 @@ from woz_tui.protocol.action_messages import OF_CONSOLES, is_by_hand
 from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.protocol.requesters import WIZARD
-from woz_tui.sensing.own_voice import ROBOT_SPEECH
 from woz_tui.session.action_runner import ActionRunner, LastAct
 from woz_tui.session.action_texts import ActionTexts, ComposedCall, missing_value_error, utterances
 from woz_tui.session.driver_context import OnCompletion

@@ -14,10 +14,10 @@ import msgspec
 from msgspec.structs import replace
 
 from woz_tui.config.performers import ENGAGEMENT, SESSION, composers, performers
+from woz_tui.drivers.own_voice import GOES_ON_US, RobotSpeech, is_robots, visitors_words
 from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import DriverHealth
-from woz_tui.sensing.own_voice import GOES_ON_US, RobotSpeech, is_robots, visitors_words
 from woz_tui.timeline.engagement_history import ModelStatus
 from woz_tui.timeline.episodes import (
     MOST_KEPT,

@@ -8,7 +8,7 @@ from woz_drivers.microphone.speech_detection import BLOCK_S, SpeechDetector
 from woz_drivers.microphone.speech_segments import BLOCK_US, SpeechSegments
 from woz_drivers.microphone.transcriber import HeardVoice
 from woz_tui.drivers.contract import DriverContext
-from woz_tui.sensing.own_voice import GOES_ON_US, ROBOT_SPEECH, RobotSpeech
+from woz_tui.drivers.own_voice import GOES_ON_US, ROBOT_SPEECH, RobotSpeech
 from woz_tui.sensing.speech_endpoint import SpeechStart
 
 #: Who spoke already so many blocks after the robot fell silent has spoken into its sentence; and a

@@ -16,8 +16,8 @@ from woz_drivers.microphone.speech_detection import BLOCK_S
 from woz_drivers.microphone.transcriber import HeardVoice, SpeechToTranscribe, Transcriber
 from woz_drivers.sound import pcm_audio
 from woz_tui.drivers.contract import DriverContext
+from woz_tui.drivers.own_voice import ROBOT_SPEECH, RobotSpeech
 from woz_tui.protocol.messages import SpeechEnded, SpeechStarted
-from woz_tui.sensing.own_voice import ROBOT_SPEECH, RobotSpeech
 from woz_tui.sensing.speech_endpoint import SpeechEnd, SpeechStart
 from woz_tui.system.tasks import READ_AGAIN_S, STOOD_STILL_S
 

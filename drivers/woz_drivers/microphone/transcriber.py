@@ -21,8 +21,8 @@ import msgspec
 from woz_drivers.programs import child_process, command_lines
 from woz_drivers.programs.resident_program import ResidentProgram
 from woz_tui.drivers.contract import SPEECH, DriverContext, DriverError
+from woz_tui.drivers.own_voice import is_robots
 from woz_tui.protocol.messages import SpeechText, SpokenWord
-from woz_tui.sensing.own_voice import is_robots
 from woz_tui.sensing.sample_values import agreed
 from woz_tui.system.tasks import end_tasks
 

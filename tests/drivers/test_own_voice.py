@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 import pytest
 
+from woz_tui.drivers.own_voice import RobotSpeech, is_robots, visitors_words
 from woz_tui.protocol import messages as m
-from woz_tui.sensing.own_voice import RobotSpeech, is_robots, visitors_words
 
 SECOND = 1_000_000
 SENTENCE = "This bowl is Roman glass, and it was found in a well."

@@ -14,6 +14,7 @@ from tests.console.test_console_state import welcomed_state
 from tests.protocol.values import of
 from woz_tui.console.link.message_feed import Incoming
 from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.features.scripts.shown_script import shown_script
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import PanelView
@@ -44,6 +45,7 @@ _SORTS: dict[object, st.SearchStrategy[object]] = {
     int: st.integers(-9, 1 << 40),
     int | None: st.one_of(st.none(), st.integers()),
     bool: st.booleans(),
+    bool | None: st.none() | st.booleans(),
     float: st.floats(allow_nan=False, allow_infinity=False),
     float | None: numbers,
     list[str]: st.lists(st.one_of(names, texts), max_size=3),
@@ -131,6 +133,8 @@ def test_no_message_in_any_order_is_too_much(batch: list[Incoming], local: int) 
         for action in panel.actions:
             standing = state.button_view(panel, action, now)
             assert standing.share is None or 0 <= standing.share <= 1
+    script = shown_script(state)
+    assert 0 <= script.position <= len(script.lines)
     assert len(state.runs.active) <= len(batch) + 20
     for sensor in map(state.sensor, state.sensors):
         assert sensor is not None

@@ -33,7 +33,9 @@ def test_the_robot_is_heard_while_it_speaks_and_half_a_second_longer() -> None:
     said = speech(*sentence(2, 5))
     heard = [said.heard_at(round(t * SECOND)) for t in (1.9, 2, 4.9, 5.5, 5.6)]
     assert heard == [False, True, True, True, False]
-    assert speech(*sentence(2, None)).heard_at(60 * SECOND), "it has not ended"
+    goes_on = speech(*sentence(2, None))
+    assert goes_on.heard_at(60 * SECOND), "it has not ended"
+    assert not goes_on.heard_at(600 * SECOND), "its end was lost with a piece of the log"
 
 
 def test_what_never_begins_and_what_is_no_speech_is_not_heard() -> None:

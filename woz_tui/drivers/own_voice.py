@@ -21,6 +21,8 @@ ROBOT_SPEECH = "robot.speech"
 TAIL_US = 500_000
 #: Speech that goes on for longer after the robot fell silent is somebody else's.
 GOES_ON_US = 600_000
+#: A sentence whose end is missing in a damaged log lasts so long: no `say` may run for longer.
+LONGEST_US = 180_000_000
 #: A text is the robot's if so many of its words are, in their order.
 ALIKE = 0.6
 #: Sentences that are kept, and requests for some that have not begun; words that are compared.
@@ -39,6 +41,11 @@ class RobotSentence:
     text: str
     began: int
     ended: int | None = None
+
+    @property
+    def last(self) -> int:
+        """Until when it is said at the longest."""
+        return self.began + LONGEST_US if self.ended is None else self.ended
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,10 +83,7 @@ class RobotSpeech:
 
     def heard_at(self, t: int) -> bool:
         """Whether speech that begins at `t` is the robot's own."""
-        return any(
-            each.began <= t and (each.ended is None or t <= each.ended + TAIL_US)
-            for each in self.sentences
-        )
+        return any(each.began <= t <= each.last + TAIL_US for each in self.sentences)
 
     def began_within(self, since: int, until: int) -> bool:
         """Whether the robot began a sentence later than `since`, and not later than `until`."""
@@ -87,17 +91,15 @@ class RobotSpeech:
 
     def silent_since(self, t: int) -> int | None:
         """When the robot fell silent, at `t`; None: it speaks, or has never spoken."""
-        begun = [each for each in self.sentences if each.began <= t]
-        if not begun or any(each.ended is None or each.ended > t for each in begun):
-            return None
-        return max(each.ended or 0 for each in begun)
+        last = max((each.last for each in self.sentences if each.began <= t), default=t + 1)
+        return last if last <= t else None
 
     def said_within(self, began: int, ended: int) -> str:
         """What the robot may be heard to say between two moments."""
         return " ".join(
             each.text
             for each in self.sentences
-            if each.began <= ended and (each.ended is None or each.ended + TAIL_US >= began)
+            if each.began <= ended and each.last + TAIL_US >= began
         )
 
 

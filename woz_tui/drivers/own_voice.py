@@ -60,13 +60,14 @@ class RobotSpeech:
         if isinstance(message, m.Command):
             if message.verb not in SPEAKING_VERBS:
                 return self
-            asked = (*self._asked, (message.command, str(message.args.get("text", ""))))
+            text = message.args.get("text")
+            asked = (*self._asked, (message.command, text if isinstance(text, str) else ""))
             return replace(self, _asked=asked[-_KEPT:])
         if isinstance(message, m.Dispatched):
-            text = dict(self._asked).get(message.command)
-            if text is None:
+            words = dict(self._asked).get(message.command)
+            if words is None:
                 return self
-            said = RobotSentence(message.command, text, message.t)
+            said = RobotSentence(message.command, words, message.t)
             return RobotSpeech((*self.sentences, said)[-_KEPT:], self._without(message.command))
         if isinstance(message, m.End):
             sentences = tuple(

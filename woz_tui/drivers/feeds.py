@@ -44,15 +44,22 @@ class Feeds:
     """All feeds of a session, made when somebody first names them."""
 
     def __init__(self) -> None:
-        self._feeds: dict[tuple[str, str], Feed] = {}
+        self._feeds: dict[str, dict[str, Feed]] = {}
         self._lock = threading.Lock()
 
     def feed(self, driver: str, topic: str) -> Feed:
         """The feed `topic` of the driver `driver`, in full (`left.body`)."""
         with self._lock:
-            return self._feeds.setdefault((driver, topic), Feed())
+            return self._feeds.setdefault(topic, {}).setdefault(driver, Feed())
+
+    def put_everywhere(self, topic: str, value: Any) -> None:
+        """Put `value` into every feed `topic` that somebody has named."""
+        with self._lock:
+            feeds = [*self._feeds.get(topic, {}).values()]
+        for feed in feeds:
+            feed.put(value)
 
     def drivers(self, topic: str) -> list[str]:
         """Full names of the drivers whose feed `topic` somebody has named, oldest first."""
         with self._lock:
-            return [driver for driver, named in self._feeds if named == topic]
+            return [*self._feeds.get(topic, ())]

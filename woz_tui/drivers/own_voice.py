@@ -9,8 +9,8 @@ than `GOES_ON_US` after the robot fell silent, or if its words are others than t
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import SPEAKING_VERBS
@@ -53,7 +53,8 @@ class RobotSpeech:
     """What the robots of a session have said of late, and say now, oldest first."""
 
     sentences: tuple[RobotSentence, ...] = ()
-    _asked: tuple[tuple[str, str], ...] = ()
+    #: What was asked for and has not begun: the command and its text.
+    _asked: Mapping[str, str] = field(default_factory=dict)
 
     def after(self, message: m.Message) -> RobotSpeech:
         """The same with what a message tells: only commands that speak, and their ends, do."""
@@ -61,26 +62,30 @@ class RobotSpeech:
             if message.verb not in SPEAKING_VERBS:
                 return self
             text = message.args.get("text")
-            asked = (*self._asked, (message.command, text if isinstance(text, str) else ""))
-            return replace(self, _asked=asked[-_KEPT:])
+            asked = {**self._asked, message.command: text if isinstance(text, str) else ""}
+            if len(asked) > _KEPT:
+                del asked[next(iter(asked))]
+            return RobotSpeech(self.sentences, asked)
         if isinstance(message, m.Dispatched):
-            words = dict(self._asked).get(message.command)
-            if words is None:
+            if message.command not in self._asked:
                 return self
-            said = RobotSentence(message.command, words, message.t)
-            return RobotSpeech((*self.sentences, said)[-_KEPT:], self._without(message.command))
+            asked = {**self._asked}
+            said = RobotSentence(message.command, asked.pop(message.command), message.t)
+            return RobotSpeech((*self.sentences, said)[-_KEPT:], asked)
         if isinstance(message, m.End):
+            of_speech = {*self._asked, *(each.command for each in self.sentences)}
+            if message.command not in of_speech:
+                return self
             sentences = tuple(
                 replace(each, ended=message.t)
                 if each.command == message.command and each.ended is None
                 else each
                 for each in self.sentences
             )
-            return RobotSpeech(sentences, self._without(message.command))
+            asked = {**self._asked}
+            asked.pop(message.command, None)
+            return RobotSpeech(sentences, asked)
         return self
-
-    def _without(self, command: str) -> tuple[tuple[str, str], ...]:
-        return tuple(each for each in self._asked if each[0] != command)
 
     def heard_at(self, t: int) -> bool:
         """Whether speech that begins at `t` is the robot's own."""

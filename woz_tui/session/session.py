@@ -159,7 +159,7 @@ class Session:
             unrecorded=self.recorder.refusal,
             folder=self.experiment.path.parent,
         )
-        self._tell_robot_speech()
+        self.feeds.put_everywhere(ROBOT_SPEECH, self.state.said)
         self._driver_manager = DriverManager(self.drivers, self.hub, self.bus.disconnected)
         self.texts = ActionTexts(
             self.hub,
@@ -479,17 +479,14 @@ class Session:
         reason = f"no driver{f' {on!r}' if on else ''} offers {verb!r}"
         return Refusal("unknown", reason, f"there are {', '.join(verbs)}")
 
-    def _tell_robot_speech(self) -> None:
-        """Drivers that hear learn what the robots say."""
-        for driver in self.feeds.drivers(ROBOT_SPEECH):
-            self.feeds.feed(driver, ROBOT_SPEECH).put(self.state.said)
-
     def _on_message(self, message: m.Message) -> None:
-        """A message of this session: the state first, then who follows what goes on in it."""
+        """A message of this session: the state first, then who follows what goes on in it. Drivers
+        that hear learn what the robots say.
+        """
         said = self.state.said
         changes = self.state.apply(message)
         if self.state.said is not said:
-            self._tell_robot_speech()
+            self.feeds.put_everywhere(ROBOT_SPEECH, self.state.said)
         for episode in changes:
             for call in self._following.get(type(episode), ()):
                 call(episode)

@@ -19,6 +19,11 @@ FIELDS: dict[str, tuple[str, str]] = {
     "actions": ("", "name of each action -> its steps: see the line's description"),
     "action": ("", "name of the action in the experiment file"),
     "answered": ("", "number of answered items"),
+    "given": (
+        "",
+        "who answered: `self` (at the wizard's screen), `read_aloud`, `own_terminal`, `browser`",
+    ),
+    "private": ("", "the answer is in no export unless somebody asks for it"),
     "answered_us": ("µs", "from the display of the item to its answer; absent: not measured"),
     "args": ("", "the verb's arguments as requested"),
     "at": ("µs", "moment, on the `t` axis, that is meant; of a marker absent: this line's"),

@@ -24,6 +24,7 @@ from woz_tui.config.file_position import FilePosition, Problem
 from woz_tui.config.file_text import SourceFile
 from woz_tui.config.problems import ProblemReport, join
 from woz_tui.config.yaml_cursor import (
+    TEXT_WITH_BRACKET,
     Cursor,
     document,
     missing,
@@ -437,7 +438,8 @@ def _united(cursor: Cursor, members: tuple[Any, ...], notes: tuple[Any, ...]) ->
         if not isinstance(value, Invalid):
             return read_value(cursor, kind, notes)
     kinds = " or ".join(_spoken(kind) for kind in members if kind is not type(None))
-    cursor.error(f"expected {kinds}, not {described(cursor.node)}")
+    bracket = TEXT_WITH_BRACKET if str in members and isinstance(cursor.node, ListNode) else ""
+    cursor.error(f"expected {kinds}, not {described(cursor.node)}{bracket}")
     return INVALID
 
 

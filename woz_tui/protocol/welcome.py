@@ -51,34 +51,96 @@ class DesignView(msgspec.Struct, frozen=True):
     trials: int = 0
 
 
-class QuestionnaireItem(msgspec.Struct, frozen=True):
-    """One question: a scale of whole numbers from `low` to `high`, or a free text.
+class ItemLabel(msgspec.Struct, frozen=True):
+    """What a point of a scale or a choice is called."""
 
-    `ends` is what the scale's ends are called; `optional`: may be left out.
+    value: int
+    text: str = ""
+
+
+class ItemCondition(msgspec.Struct, frozen=True, omit_defaults=True):
+    """An earlier item's answer without which an item is not asked: one of `values`, or a number
+    from `at_least` to `at_most`.
+    """
+
+    item: str
+    values: tuple[int, ...] = ()
+    at_least: float | None = None
+    at_most: float | None = None
+
+
+class QuestionnaireItem(msgspec.Struct, frozen=True, omit_defaults=True):
+    """One question: a scale of whole numbers from `low` to `high`, a free text, or another `kind`:
+    slider, number, choice, choices (several), month, page (an instruction without an answer).
+
+    `ends` is what the scale's ends are called, `labels` what some of its points are; `numbers`:
+    they are shown, with `shift` added to what is stored. `choices` have codes; that of `other`
+    wants a text as well. `optional`: may be left out; `soft`: once it was asked for again.
+    `does_not_apply` and `prefer_not` are ways to give no answer. `private`: the answer is in no
+    export unless somebody asks. `flip`: chance decides which end stands on the left; `flipped`:
+    the high one does. Items of one `group` stay together where chance decides the order.
     """
 
     name: str
-    question: str = ""
-    low: int = 1
-    high: int = 7
-    ends: tuple[str, str] = ("", "")
-    text: bool = False
-    optional: bool = False
+    question: str = msgspec.field(default_factory=str)
+    low: int = msgspec.field(default_factory=lambda: 1)
+    high: int = msgspec.field(default_factory=lambda: 7)
+    ends: tuple[str, str] = msgspec.field(default_factory=lambda: ("", ""))
+    text: bool = msgspec.field(default_factory=bool)
+    optional: bool = msgspec.field(default_factory=bool)
+    kind: str = "scale"
+    stem: str = ""
+    labels: tuple[ItemLabel, ...] = ()
+    choices: tuple[ItemLabel, ...] = ()
+    other: int | None = None
+    numbers: bool = True
+    shift: int = 0
+    step: int = 1
+    unit: str = ""
+    lines: int = 0
+    private: bool = False
+    soft: bool = False
+    reverse: bool = False
+    flip: bool = False
+    flipped: bool = False
+    group: str = ""
+    does_not_apply: str = ""
+    prefer_not: str = ""
+    only_if: ItemCondition | None = None
 
     @property
     def digits(self) -> bool:
         """Whether each point of the scale is one digit."""
         return self.low >= 0 and self.high <= _DIGIT
 
+    @property
+    def asks(self) -> str:
+        """Its kind; `text` for a free text."""
+        return "text" if self.text else self.kind
 
-class Questionnaire(msgspec.Struct, frozen=True):
-    """Items asked together; `when` is end, trial, condition or hand."""
 
-    name: str
+class QuestionnaireVersion(msgspec.Struct, frozen=True):
+    """What a questionnaire says in another language."""
+
+    language: str
     title: str = ""
     introduction: str = ""
-    when: str = "end"
     items: tuple[QuestionnaireItem, ...] = ()
+
+
+class Questionnaire(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Items asked together; `when` is start, trial, condition, end or hand. `shuffled`: chance
+    decides their order. `versions`: the same in other languages.
+    """
+
+    name: str
+    title: str = msgspec.field(default_factory=str)
+    introduction: str = msgspec.field(default_factory=str)
+    when: str = msgspec.field(default_factory=lambda: "end")
+    items: tuple[QuestionnaireItem, ...] = msgspec.field(default_factory=tuple)
+    shuffled: bool = False
+    language: str = ""
+    versions: tuple[QuestionnaireVersion, ...] = ()
 
     @property
     def heading(self) -> str:
@@ -143,6 +205,22 @@ class QuestionnaireWords(msgspec.Struct, frozen=True, omit_defaults=True):
     answer_or_skip: str = "Please answer first, or press Tab to skip."
     number: str = "A number from {low} to {high}, please."
     number_or_skip: str = "A number from {low} to {high}, or Tab to skip."
+    month: str = "Year and month, please, such as 2026-11."
+    step: str = "In steps of {step}, please: {below} or {above}."
+    choose: str = "Please choose one of these."
+    choose_some: str = "Please choose at least one of these."
+    soft: str = "There is no answer yet. Press Tab once more to leave it open."
+    soft_button: str = "There is no answer yet. You can leave it out."
+    other: str = "Please say which:"
+    no_answer_how: str = "Without an answer, because:"
+    keys_choice: str = "a digit or letter, or {up} {down} and enter"
+    keys_several: str = "space or its key chooses · enter: next"
+    keys_slider: str = "{left} {right} or a number, then enter · {up} back"
+    keys_month: str = "year and month, then enter · {up} back"
+    keys_page: str = "enter: next · {up} back"
+    keys_other: str = "Enter: next · {up} in the first line: back"
+    keys_no_answer: str = "a digit chooses · {up} back"
+    keys_ways: str = "Tab: {way}"
     wants_answer: str = "Please answer this question, or press Ctrl+D to stop."
     too_long: str = "At most {most} characters."
     refused: str = "This answer was not taken. Please try again."

@@ -24,6 +24,8 @@ MESSAGES = (
         ],
         trial=1,
         source="participant",
+        language="en",
+        given="self",
     ),
     QuestionnaireAnswered(
         questionnaire="robot",
@@ -40,14 +42,32 @@ MESSAGES = (
         answered_us=8_100_000,
     ),
     QuestionnaireAnswered(
-        questionnaire="robot", item="age", question="How old are you?", skipped=True
+        questionnaire="robot",
+        item="age",
+        question="How old are you?",
+        skipped=True,
+        reason="prefer_not",
+        given="own_terminal",
+        private=True,
+    ),
+    QuestionnaireAnswered(
+        questionnaire="robot",
+        item="known",
+        question="Which robots have you used?",
+        values=[1, 6],
+        text="a mower",
+        answered_us=4_000_000,
+        given="browser",
     ),
     QuestionnaireEnded(questionnaire="robot", reason="done", answered=2),
 )
 REQUESTS = (
-    AskQuestionnaire(ref=25, questionnaire="robot", source="participant"),
+    AskQuestionnaire(
+        ref=25, questionnaire="robot", source="participant", language="en", given="self"
+    ),
     AskQuestionnaire(ref=31, questionnaire="robot", what="declined"),
     AskAnswer(ref=26, questionnaire="robot", item="friendly", value=6.0, answered_us=2_300_000),
-    AskAnswer(ref=27, questionnaire="robot", item="else", skipped=True),
+    AskAnswer(ref=27, questionnaire="robot", item="else", skipped=True, reason="prefer_not"),
+    AskAnswer(ref=33, questionnaire="robot", item="known", values=[1, 6], given="browser"),
     AskAnswer(ref=32, questionnaire="robot", item="else", text="it blinked"),
 )

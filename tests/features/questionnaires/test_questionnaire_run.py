@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from tests.console import study_scene
 from woz_tui.console.input.keyboard import HELD_US
-from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire, items_of
+from woz_tui.features.questionnaires.answers import OpenQuestionnaire, items_of
+from woz_tui.features.questionnaires.items import ItemAnswer
 from woz_tui.features.questionnaires.kinds import AskAnswer, AskQuestionnaire
 from woz_tui.features.questionnaires.run import SETTLING_US, QuestionnairePage, QuestionnaireRun
 from woz_tui.protocol.welcome import ENGLISH, Questionnaire, QuestionnaireItem

@@ -9,8 +9,10 @@ import pytest
 from tests.config.catalogue import CATALOGUE
 from tests.config.reading import HEAD, HELLO, panel, read_experiment
 from woz_tui.config.loading import load
-from woz_tui.features.questionnaires.section import NAME_PATTERN, QUESTIONNAIRES, name_from_text
-from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
+from woz_tui.features.questionnaires.item_entries import NAME_PATTERN, name_from_text
+from woz_tui.features.questionnaires.items import in_language, value_labels, wording
+from woz_tui.features.questionnaires.section import QUESTIONNAIRES
+from woz_tui.protocol.welcome import ItemCondition, Questionnaire, QuestionnaireItem
 
 GOOD = Path(__file__).parents[2] / "config" / "good"
 
@@ -62,3 +64,45 @@ def test_the_end_of_a_condition_needs_a_design(tmp_path: Path) -> None:
         "questionnaires[0].when",
         "without a design, the last trial of a condition is unknown",
     )
+
+
+def test_every_kind_of_item() -> None:
+    (asked,) = QUESTIONNAIRES.of(load(GOOD / "questionnaire-items.yaml", CATALOGUE)).questionnaires
+    assert (asked.when, asked.shuffled, asked.language) == ("start", True, "en")
+    items = {item.name: item for item in asked.items}
+    assert {name: item.asks for name, item in items.items()} == {
+        **{"page-1": "page", "natural": "scale", "effort": "slider", "often": "scale"},
+        **{"marked": "scale", "known": "choice", "which": "choices", "age": "number"},
+        **{"since": "month", "words": "text", "hard": "slider", "why": "text"},
+    }
+    natural = items["natural"]
+    assert (natural.low, natural.high, natural.shift, natural.ends) == (
+        -3,
+        3,
+        4,
+        ("fake", "natural"),
+    )
+    assert wording(natural) == "The robot was fake - natural"
+    assert (natural.numbers, natural.soft, natural.flip, natural.reverse) == (
+        True,
+        True,
+        True,
+        True,
+    )
+    assert (items["effort"].step, items["effort"].soft) == (5, False)
+    assert value_labels(items["often"]) == {1: "never", 2: "seldom", 3: "often"}
+    assert not items["often"].numbers
+    assert value_labels(items["marked"]) == {0: "not at all", 2: "half", 4: "quite"}
+    assert value_labels(items["which"]) == {1: "a vacuum cleaner", 5: "a toy", 6: "other"}
+    assert items["which"].only_if == ItemCondition("known", (1, 3))
+    assert items["why"].only_if == ItemCondition("hard", at_least=60)
+    assert (items["words"].private, items["words"].lines) == (True, 3)
+
+
+def test_a_questionnaire_in_two_languages() -> None:
+    (asked,) = QUESTIONNAIRES.of(load(GOOD / "questionnaire-items.yaml", CATALOGUE)).questionnaires
+    german = in_language(asked, "de")
+    assert (asked.title, german.title) == ("How was the robot?", "Wie war der Roboter?")
+    assert wording(german.items[1]) == "Der Roboter war fake - natürlich"
+    assert german.items[8] == asked.items[8]  # a text without languages is the same in all
+    assert in_language(asked, "fr") is asked

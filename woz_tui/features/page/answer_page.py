@@ -12,7 +12,8 @@ from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
 from woz_tui.features.page.html import hidden, page
 from woz_tui.features.page.item_forms import ITEM_FORMS, kind_of
 from woz_tui.features.page.seat import ParticipantSeat
-from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire
+from woz_tui.features.questionnaires.answers import OpenQuestionnaire
+from woz_tui.features.questionnaires.items import ItemAnswer
 from woz_tui.protocol.welcome import QuestionnaireItem
 
 #: Seconds after which a browser without JavaScript looks whether something is asked.

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from woz_tui.analysis.html.markup import Markup, joined, tag
-from woz_tui.features.questionnaires.answers import ItemAnswer
+from woz_tui.features.questionnaires.items import ItemAnswer
 from woz_tui.features.questionnaires.kinds import AskAnswer
 from woz_tui.protocol.welcome import LONGEST, QuestionnaireItem, QuestionnaireWords
 

@@ -17,8 +17,9 @@ from woz_tui.console.link.message_feed import GONE, Incoming, Loss
 from woz_tui.features.page.follower import SessionFollower
 from woz_tui.features.page.item_forms import UnreadAnswerError, answer_of
 from woz_tui.features.page.news import News, within
-from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire
+from woz_tui.features.questionnaires.answers import OpenQuestionnaire
 from woz_tui.features.questionnaires.console import questionnaires_of
+from woz_tui.features.questionnaires.items import ItemAnswer
 from woz_tui.features.questionnaires.kinds import (
     AskAnswer,
     AskQuestionnaire,

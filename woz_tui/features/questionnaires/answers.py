@@ -7,23 +7,9 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered
+from woz_tui.features.questionnaires.items import ItemAnswer, asked_items
+from woz_tui.features.questionnaires.kinds import AskAnswer, QuestionnaireAnswered
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
-
-
-@dataclass(frozen=True, slots=True)
-class ItemAnswer:
-    """A number on the scale, a text, or left out on purpose (`skipped`)."""
-
-    value: int | None = None
-    text: str = ""
-    skipped: bool = False
-
-    def shown(self, left_out: str) -> str:
-        """It in a few words; `left_out` stands for none."""
-        if self.skipped:
-            return left_out
-        return self.text if self.value is None else str(self.value)
 
 
 @dataclass(slots=True)
@@ -55,14 +41,23 @@ class OpenQuestionnaire:
         return self.questionnaire.items
 
     @property
+    def shown(self) -> list[QuestionnaireItem]:
+        """What the answers so far do not rule out, instructions included."""
+        return asked_items(self.items, self.answers)
+
+    @property
+    def questions(self) -> list[QuestionnaireItem]:
+        """Those of them that want an answer."""
+        return [item for item in self.shown if item.asks != "page"]
+
+    @property
     def answered(self) -> int:
-        """Items with an answer, those left out included."""
-        return sum(item.name in self.answers for item in self.items)
+        """Questions with an answer, those left out included."""
+        return sum(item.name in self.answers for item in self.questions)
 
     def apply(self, told: QuestionnaireAnswered) -> None:
         """Somebody answered, here or at another terminal."""
-        value = None if told.value is None else round(told.value)
-        self.answers[told.item] = ItemAnswer(value, told.text, told.skipped)
+        self.answers[told.item] = answer_told(told)
 
     def keep_draft(self, item: str, text: str, before: ItemAnswer | None) -> None:
         """Keep a text that was left. `before`: the answer when it was begun; a newer one holds."""
@@ -73,9 +68,16 @@ class OpenQuestionnaire:
             self.drafts.pop(item, None)
 
     def first_open(self) -> int:
-        """The first item without an answer; behind the last one if there is none."""
-        open_items = (n for n, item in enumerate(self.items) if item.name not in self.answers)
-        return next(open_items, len(self.items))
+        """The first question without an answer; behind the last item if there is none."""
+        open_items = (item for item in self.questions if item.name not in self.answers)
+        first = next(open_items, None)
+        return len(self.items) if first is None else self.items.index(first)
+
+
+def answer_told(told: QuestionnaireAnswered | AskAnswer) -> ItemAnswer:
+    """An answer as a message has it."""
+    value = None if told.value is None else round(told.value)
+    return ItemAnswer(value, told.text, told.skipped, tuple(told.values), told.reason)
 
 
 def items_of(told: object) -> tuple[QuestionnaireItem, ...]:

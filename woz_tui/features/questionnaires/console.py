@@ -20,6 +20,7 @@ from woz_tui.console.widgets.feature_console import (
 )
 from woz_tui.features.questionnaires.answers import OpenQuestionnaire, items_of
 from woz_tui.features.questionnaires.history import QuestionnaireHistory
+from woz_tui.features.questionnaires.items import in_language
 from woz_tui.features.questionnaires.kinds import (
     AskQuestionnaire,
     QuestionnaireAnswered,
@@ -105,7 +106,8 @@ class QuestionnaireNotes(FeatureNotes):
         if started is None:
             return known
         items = items_of(started.items) or known.items
-        return msgspec.structs.replace(known, title=started.title, items=items)
+        told = in_language(known, started.language)
+        return msgspec.structs.replace(told, title=started.title, items=items)
 
 
 def questionnaires_of(state: ConsoleState) -> QuestionnaireNotes:
@@ -139,9 +141,9 @@ SENTENCES = {QuestionnaireStarted: _started, QuestionnaireEnded: _ended}
 
 def progress(asked: OpenQuestionnaire) -> str:
     """How far a questionnaire is that is being asked."""
-    if asked.answered == len(asked.items):
+    if asked.answered == len(asked.questions):
         return "answered, not confirmed"
-    return f"{asked.answered} of {len(asked.items)} answered"
+    return f"{asked.answered} of {len(asked.questions)} answered"
 
 
 def _under_way(state: ConsoleState) -> UnderWay | None:
@@ -208,7 +210,7 @@ def _cut_off(state: ConsoleState) -> Iterator[str]:
 
 def _value(state: ConsoleState) -> str:
     asked = questionnaires_of(state).open
-    return f"questions {asked.answered}/{len(asked.items)}" if asked is not None else ""
+    return f"questions {asked.answered}/{len(asked.questions)}" if asked is not None else ""
 
 
 CONSOLE = FeatureConsole(

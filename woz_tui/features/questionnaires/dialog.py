@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import partial
 
 from textual.app import ComposeResult
@@ -85,23 +85,46 @@ class OfferDialog(ChoiceDialog):
         """Which one."""
         notes = questionnaires_of(self.state)
         one, title = notes.called(self._asked), notes.title(self._asked)
-        items = len(one.items) if one is not None else 0
+        items = sum(item.asks != "page" for item in one.items) if one is not None else 0
         count = f"  {items} item{'' if items == 1 else 's'}" if items else ""
         back = "It covers this screen; ctrl+q brings the console back."
         return [((clean(title), "strong"), (count, "muted")), ((back, "plain"),)]
 
     def choices(self) -> list[ListChoice]:
-        """Where to ask it."""
+        """Where to ask it, and who answers: that is in the tables."""
         ask = partial(_ask, self.console_app, self._asked)
         there = ListChoice(Content("At the participant's terminal"), partial(ask, here=False))
         return [
-            ListChoice(Content("Ask it here"), partial(ask, here=True)),
+            ListChoice(Content("Ask it here: I read it aloud"), partial(ask, given="read_aloud")),
+            ListChoice(Content("Ask it here: I turn the screen round"), partial(ask, given="self")),
             *([there] if self.state.study.participants else []),
             ListChoice(Content("Later")),
         ]
 
 
-def _ask(app: ConsoleApp, name: str, *, here: bool) -> None:
+class LanguageDialog(ChoiceDialog):
+    """A questionnaire is in several languages: which one the participant reads."""
+
+    heading = "Questionnaire"
+    hint = "arrows choose · enter · ctrl+q: later"
+
+    def __init__(self, name: str, put: Callable[[str], None]) -> None:
+        super().__init__()
+        self._asked, self._put = name, put
+
+    def lines(self) -> list[Row]:
+        """Which one."""
+        title = questionnaires_of(self.state).title(self._asked)
+        return [((clean(title), "strong"),), (("In which language?", "plain"),)]
+
+    def choices(self) -> list[ListChoice]:
+        """The languages of the file, that of the experiment first."""
+        one = questionnaires_of(self.state).called(self._asked)
+        codes = [one.language, *(each.language for each in one.versions)] if one else []
+        return [ListChoice(Content(code), partial(self._put, code)) for code in codes]
+
+
+def _ask(app: ConsoleApp, name: str, *, here: bool = True, given: str = "") -> None:
     """Put a questionnaire to the participant, at this terminal or at theirs."""
 
     def answered(reply: Reply) -> None:
@@ -109,7 +132,15 @@ def _ask(app: ConsoleApp, name: str, *, here: bool) -> None:
         if reply.ok and here:
             app.open_dialog(QuestionnaireDialog())
 
-    app.requests.ask(AskQuestionnaire(questionnaire=name), answered)
+    def put(language: str) -> None:
+        request = AskQuestionnaire(questionnaire=name, language=language, given=given)
+        app.requests.ask(request, answered)
+
+    one = questionnaires_of(app.state).called(name)
+    if one is not None and one.versions:
+        app.open_dialog(LanguageDialog(name, put))
+    else:
+        put("")
 
 
 def _offer_next(app: ConsoleApp) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from woz_tui.config.study_words import OVER
 
 #: When a questionnaire is due.
-WHENS = ("end", "trial", "condition", "hand")
+WHENS = ("start", "end", "trial", "condition", "hand")
 
 
 def due_after_trial(trial: int, outcome: str, *, trials: int, planned: int) -> tuple[str, ...]:

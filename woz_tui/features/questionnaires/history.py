@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -83,6 +84,7 @@ class QuestionnaireHistory(FeatureHistory):
         questionnaire: What is under way.
         had: Questionnaires that this participant has had or declined, and their ends by name.
         rounds: The last end of each questionnaire, whoever had it.
+        rounds_begun: How often each questionnaire was begun.
         over, order: The trial whose questionnaires are due, and the order of conditions that the
             participant had at its end.
     """
@@ -94,17 +96,25 @@ class QuestionnaireHistory(FeatureHistory):
         self.questionnaire: QuestionnaireEpisode | None = None
         self.had: dict[str, QuestionnaireEnded] = {}
         self.rounds: dict[str, QuestionnaireEnded] = {}
+        self.rounds_begun: Counter[str] = Counter()
         self.over: m.TrialEnded | None = None
         self.order: m.ConditionsAssigned | None = None
         #: Which questionnaires have been had since that trial.
         self._had_since: frozenset[str] = frozenset()
         self._participant: str | None = None
+        #: Whether this participant has had a trial.
+        self._tried = False
 
     # -- what is due -------------------------------------------------------------------------------
 
     def due(self, state: SessionState) -> list[DueQuestionnaire]:
-        """Those that are due behind the trial that ended last, in the file's order."""
+        """Those that are due before the first trial or behind the one that ended last, in the
+        file's order.
+        """
         over, order, design = self.over, self.order, state.study.settings.design
+        if over is None and self._participant and not self._tried:
+            names = _names(state, "start")
+            return [DueQuestionnaire(name) for name in names if name not in self.had]
         if over is None:
             return []
         trials = order.trials if order is not None and order.trials else 0
@@ -157,7 +167,7 @@ class QuestionnaireHistory(FeatureHistory):
         """Another participant begins anew, and has had no questionnaire."""
         if participant is not None and participant != self._participant:
             self._participant = participant
-            self.had = {}
+            self.had, self._tried = {}, False
             self.over, self._had_since = None, frozenset()
 
     def _start(self, message: m.SessionStart, state: SessionState) -> None:
@@ -174,7 +184,7 @@ class QuestionnaireHistory(FeatureHistory):
 
     def _begin_trial(self, message: m.TrialStarted, state: SessionState) -> Iterator[Episode]:
         before = self.due(state)
-        self.over, self._had_since = None, frozenset()
+        self.over, self._had_since, self._tried = None, frozenset(), True
         yield from self._passed(before, message, state)
 
     def _passed(
@@ -201,6 +211,7 @@ class QuestionnaireHistory(FeatureHistory):
         """There is one at a time."""
         yield from self._cut(state)
         name = message.questionnaire
+        self.rounds_begun[name] += 1
         self.questionnaire = QuestionnaireEpisode(
             begin=state.t, seq=message.seq, name=name, started=message
         )

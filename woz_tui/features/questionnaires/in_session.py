@@ -5,7 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import msgspec
+
+from woz_tui.features.questionnaires.answers import answer_told, items_of
 from woz_tui.features.questionnaires.history import QuestionnaireHistory
+from woz_tui.features.questionnaires.items import (
+    GIVEN,
+    NUMBERS,
+    POINTS,
+    SKIPPED,
+    ItemAnswer,
+    arranged,
+    asked_items,
+    in_language,
+    problem_of,
+    ways_out,
+    wording,
+)
 from woz_tui.features.questionnaires.kinds import (
     AskAnswer,
     AskQuestionnaire,
@@ -16,7 +32,7 @@ from woz_tui.features.questionnaires.kinds import (
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import PARTICIPANT
-from woz_tui.protocol.welcome import LONGEST, QuestionnaireItem
+from woz_tui.protocol.welcome import LONGEST, Questionnaire, QuestionnaireItem
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 from woz_tui.timeline.feature_history import Owed
 
@@ -36,9 +52,11 @@ class QuestionnaireController(SessionFeature):
 
     def carry_out(self, request: AskQuestionnaire | AskAnswer, client: Client) -> str:
         if isinstance(request, AskAnswer):
-            self.answer(request)
+            self.answer(request, "own_terminal" if client.role == PARTICIPANT else "")
         else:
-            self.begin_or_end(request.questionnaire, request.what, _source(request, client))
+            source = _source(request, client)
+            given = "" if source == PARTICIPANT else request.given
+            self.begin_or_end(request.questionnaire, request.what, source, request.language, given)
         return ""
 
     def allow_next(self) -> None:
@@ -48,14 +66,16 @@ class QuestionnaireController(SessionFeature):
                 f"the questionnaire {current.name!r} is open", "end it first", command="trial"
             )
 
-    def begin_or_end(self, name: str, what: str, source: str) -> None:
+    def begin_or_end(
+        self, name: str, what: str, source: str, language: str = "", given: str = ""
+    ) -> None:
         """Begin a questionnaire, or end the one under way; `what` as in `AskQuestionnaire`."""
         if what == "begin":
-            self._begin(name, source)
+            self._begin(name, source, language, given)
             return
-        started = self._under_way(name)
+        self._under_way(name)
         if what == "done":
-            self._all_answered(started)
+            self._all_answered()
         self._end(name, what)
 
     def tell_owed(self, participant: str, owed: Owed) -> None:
@@ -79,7 +99,7 @@ class QuestionnaireController(SessionFeature):
         if (current := self._history.questionnaire) is not None:
             self._end(current.name, "left")
 
-    def _begin(self, name: str, source: str) -> None:
+    def _begin(self, name: str, source: str, language: str, given: str) -> None:
         current = self._history.questionnaire
         if current is not None:
             raise RequestError(f"the questionnaire {current.name!r} is open", "end it first")
@@ -94,17 +114,36 @@ class QuestionnaireController(SessionFeature):
             raise RequestError(
                 f"the questionnaire {name!r} is not due yet", "the wizard can start it"
             )
+        asked = self._in_language(known[name], language)
+        if given and given not in GIVEN:
+            raise RequestError(f"nobody answers by {given!r}", f"there are {', '.join(GIVEN)}")
         running = self.session.state.study.trial
         trial = running.started.trial if running is not None else -1
         self._publish(
             QuestionnaireStarted(
                 questionnaire=name,
-                title=known[name].title,
-                items=[*map(_item_view, known[name].items)],
+                title=asked.title,
+                items=[*map(_item_view, arranged(asked, self._seed(name)))],
                 trial=due.get(name, trial),
                 source=source,
+                language=asked.language,
+                given=given,
             )
         )
+
+    def _in_language(self, asked: Questionnaire, language: str) -> Questionnaire:
+        found = in_language(asked, language)
+        if language and language != found.language:
+            codes = filter(None, [asked.language, *(each.language for each in asked.versions)])
+            there = f"there are {', '.join(codes)}" if asked.versions else "it has one only"
+            raise RequestError(f"{asked.name!r} is not in the language {language!r}", there)
+        return found
+
+    def _seed(self, name: str) -> str:
+        """Of the order of items: another one for each participant and each round."""
+        participant = self.session.state.study.participant or ""
+        number = self._history.rounds_begun[name] + 1
+        return f"{self.session.identity.seed}/{participant}/{name}/{number}"
 
     def _under_way(self, name: str) -> QuestionnaireStarted:
         current = self._history.questionnaire
@@ -118,17 +157,29 @@ class QuestionnaireController(SessionFeature):
         current = self._history.questionnaire
         return current.answers if current is not None else {}
 
-    def _all_answered(self, started: QuestionnaireStarted) -> None:
-        answers = self._answers
+    def _all_answered(self) -> None:
+        asked = asked_items(self._items, self._given_answers)
         absent = [
-            item
-            for item in started.items
-            if not item.get("optional") and item["name"] not in answers
+            item.name
+            for item in asked
+            if not (item.optional or item.soft or item.asks == "page")
+            and item.name not in self._answers
         ]
         if absent:
             count = f"{len(absent)} item{'s have' if len(absent) > 1 else ' has'} no answer yet"
-            names = ", ".join(str(item["name"]) for item in absent[:5])
+            names = ", ".join(absent[:5])
             raise RequestError(f"{count}: {names}{', ...' if len(absent) > 5 else ''}")
+
+    @property
+    def _items(self) -> tuple[QuestionnaireItem, ...]:
+        """Of the questionnaire under way."""
+        current = self._history.questionnaire
+        started = current.started if current is not None else None
+        return items_of(started.items) if started is not None else ()
+
+    @property
+    def _given_answers(self) -> Mapping[str, ItemAnswer]:
+        return {name: answer_told(told) for name, told in self._answers.items()}
 
     def _end(self, name: str, reason: str) -> None:
         answered = sum(not answer.skipped for answer in self._answers.values())
@@ -136,30 +187,38 @@ class QuestionnaireController(SessionFeature):
 
     # -- answers -----------------------------------------------------------------------------------
 
-    def answer(self, request: AskAnswer) -> None:
-        """One answer; a later one to the same item takes its place."""
+    def answer(self, request: AskAnswer, given: str = "") -> None:
+        """One answer; a later one to the same item takes its place. `given`: by whom, where the
+        request does not say it.
+        """
         started = self._under_way(request.questionnaire)
-        items = {str(item["name"]): item for item in started.items}
+        items = {item.name: item for item in self._items}
         if request.item not in items:
             raise RequestError(
                 f"there is no item {request.item!r}", f"there are {', '.join(items)}"
             )
         item = items[request.item]
+        if item not in asked_items(items.values(), self._given_answers):
+            raise RequestError(
+                f"{request.item!r} is not asked", "an earlier answer has ruled it out"
+            )
         if request.skipped:
             _check_skipped(request, item)
-        elif item.get("text"):
-            _check_text(request)
         else:
-            _check_value(request, item)
+            _check_answer(request, item)
         self._publish(
             QuestionnaireAnswered(
                 questionnaire=request.questionnaire,
                 item=request.item,
-                question=str(item["question"]),
+                question=wording(item),
                 value=request.value,
                 text=request.text,
                 answered_us=max(request.answered_us, -1),
                 skipped=request.skipped,
+                values=request.values,
+                reason=request.reason,
+                given=(request.given if request.given in GIVEN else given) or started.given,
+                private=item.private,
             )
         )
 
@@ -173,36 +232,44 @@ def _source(request: AskQuestionnaire, client: Client) -> str:
     return request.source
 
 
+#: What an item has only in some kinds.
+_OF_KINDS = {"low": NUMBERS, "high": NUMBERS, "ends": POINTS, "text": ("text",)}
+
+
 def _item_view(item: QuestionnaireItem) -> dict[str, Any]:
     """An item as in `questionnaire.started`: a scale's points and ends, or `text`."""
-    seen: dict[str, Any] = {"name": item.name, "question": item.question}
-    if item.text:
-        seen["text"] = True
-    else:
-        seen |= {"low": item.low, "high": item.high, "ends": [*item.ends]}
-    return {**seen, "optional": True} if item.optional else seen
+    seen: dict[str, Any] = msgspec.json.decode(msgspec.json.encode(item))
+    for name, kinds in _OF_KINDS.items():
+        if item.asks not in kinds:
+            del seen[name]
+    if not item.optional:
+        del seen["optional"]
+    return seen
 
 
-def _check_skipped(request: AskAnswer, item: Mapping[str, Any]) -> None:
-    if not item.get("optional"):
-        raise RequestError(f"{request.item!r} needs an answer", "or end it as declined")
-    if request.value is not None or request.text:
+def _check_skipped(request: AskAnswer, item: QuestionnaireItem) -> None:
+    reason = request.reason or SKIPPED
+    if reason not in ways_out(item):
+        unless = "does not offer that" if request.reason else "needs an answer"
+        raise RequestError(f"{request.item!r} {unless}", "or end it as declined")
+    if request.value is not None or request.values or request.text:
         raise RequestError("a skipped item cannot have an answer")
 
 
-def _check_text(request: AskAnswer) -> None:
-    if request.value is not None:
-        raise RequestError(f"{request.item!r} needs a text as its answer")
-    if not request.text.strip():
-        raise RequestError("the answer is empty")
+def _check_answer(request: AskAnswer, item: QuestionnaireItem) -> None:
+    value = request.value
+    if request.reason:
+        raise RequestError("an answer cannot have a reason why there is none")
     if len(request.text) > LONGEST:
         raise RequestError(f"an answer can have at most {LONGEST} characters")
-
-
-def _check_value(request: AskAnswer, item: Mapping[str, Any]) -> None:
-    low, high = int(item["low"]), int(item["high"])
-    if request.text:
+    if item.asks in ("text", "month"):
+        if value is not None or request.values:
+            raise RequestError(f"{request.item!r} needs a text as its answer")
+        if not request.text.strip():
+            raise RequestError("the answer is empty")
+    elif item.asks in NUMBERS and (request.text or request.values):
         raise RequestError(f"{request.item!r} needs a number as its answer")
-    value = request.value
-    if value is None or value != round(value) or not low <= value <= high:
-        raise RequestError(f"expected a whole number from {low} to {high}, not {value}")
+    elif value is not None and value != round(value):
+        raise RequestError(f"expected a whole number from {item.low} to {item.high}, not {value}")
+    if wrong := problem_of(item, answer_told(request)):
+        raise RequestError(wrong)

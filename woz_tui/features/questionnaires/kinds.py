@@ -12,8 +12,10 @@ from woz_tui.protocol.requests import Request
 
 
 class QuestionnaireStarted(Message, frozen=True, kw_only=True, tag="questionnaire.started"):
-    """A questionnaire is put to the participant. `items` are as in the experiment file: `name`,
-    `question`, and for a scale `low`, `high` and what its ends are called.
+    """A questionnaire is put to the participant. `items` are as in the experiment file, in the
+    order in which they are shown: `name`, `question`, and for a scale `low`, `high` and what its
+    ends are called (`flipped`: the high one stood on the left). `language`: in which of several it
+    is asked. `given`: by whom, if that is known (self, read_aloud).
     """
 
     questionnaire: str
@@ -21,12 +23,16 @@ class QuestionnaireStarted(Message, frozen=True, kw_only=True, tag="questionnair
     items: list[dict[str, Any]]
     trial: int = -1
     source: str = msgspec.field(default_factory=lambda: "wizard")
+    language: str = ""
+    given: str = ""
 
 
 class QuestionnaireAnswered(Message, frozen=True, kw_only=True, tag="questionnaire.answered"):
-    """One answer: a number on the item's scale, or a text. A later answer to the same item of the
-    same round replaces it. `answered_us`: from the item's being shown. `skipped`: left out on
-    purpose.
+    """One answer: a number (of the item's scale, or a choice's), several of them (`values`) or a
+    text. A later answer to the same item of the same round replaces it. `answered_us`: from the
+    item's being shown. `skipped`: left out on purpose, because of the `reason` (does_not_apply,
+    prefer_not; empty: none). `given`: by whom (self: at the wizard's screen, read_aloud,
+    own_terminal, browser; empty: nobody knows). `private`: it is in no export unasked.
     """
 
     questionnaire: str
@@ -36,6 +42,10 @@ class QuestionnaireAnswered(Message, frozen=True, kw_only=True, tag="questionnai
     text: str = ""
     answered_us: int = -1
     skipped: bool = False
+    values: list[int] = []
+    reason: str = ""
+    given: str = ""
+    private: bool = False
 
 
 class QuestionnaireEnded(Message, frozen=True, kw_only=True, tag="questionnaire.ended"):
@@ -47,15 +57,21 @@ class QuestionnaireEnded(Message, frozen=True, kw_only=True, tag="questionnaire.
 
 
 class AskQuestionnaire(Request, frozen=True, kw_only=True, tag="questionnaire"):
-    """Begin a questionnaire of the experiment file, or end the one that is under way."""
+    """Begin a questionnaire of the experiment file, or end the one that is under way. `language`:
+    in one of several that it has; `given`: self (at the wizard's screen), read_aloud.
+    """
 
     questionnaire: str
     what: Literal["begin", "done", "declined", "left"] = "begin"
     source: str = "wizard"
+    language: str = ""
+    given: str = ""
 
 
 class AskAnswer(Request, frozen=True, kw_only=True, tag="answer"):
-    """Answer one item of the questionnaire that is under way, or leave it out."""
+    """Answer one item of the questionnaire that is under way, or leave it out; as in
+    `questionnaire.answered`.
+    """
 
     questionnaire: str
     item: str
@@ -63,6 +79,9 @@ class AskAnswer(Request, frozen=True, kw_only=True, tag="answer"):
     text: str = ""
     answered_us: int = -1
     skipped: bool = False
+    values: list[int] = []
+    reason: str = ""
+    given: str = ""
 
 
 _MESSAGES = (QuestionnaireStarted, QuestionnaireAnswered, QuestionnaireEnded)

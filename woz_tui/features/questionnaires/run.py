@@ -8,9 +8,20 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Callable
+from dataclasses import replace
 
 from woz_tui.console.input.keyboard import HELD_US
-from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire
+from woz_tui.features.questionnaires.answers import OpenQuestionnaire, answer_told
+from woz_tui.features.questionnaires.items import (
+    MONTH,
+    NUMBERS,
+    SKIPPED,
+    ItemAnswer,
+    as_shown,
+    shown_value,
+    stored_value,
+    ways_out,
+)
 from woz_tui.features.questionnaires.kinds import AskAnswer, AskQuestionnaire
 from woz_tui.protocol.welcome import ENGLISH, LONGEST, QuestionnaireItem, QuestionnaireWords
 
@@ -18,6 +29,10 @@ from woz_tui.protocol.welcome import ENGLISH, LONGEST, QuestionnaireItem, Questi
 _LEAP = 10
 #: Keys that answer or go on wherever they are taken; digits do on some items.
 _ANSWERING = frozenset({"enter", "tab"})
+#: The keys of choices, in their order.
+CHOICE_KEYS = "123456789abcdefghijklmnopqrstuvwxyz"
+#: Signs of the longest number that is typed, and of a month; its dash comes by itself.
+_LONGEST_NUMBER, _LONGEST_MONTH, _YEAR = 8, 7, 4
 #: Points from which a scale is drawn as a line instead of boxes.
 WIDE = 12
 #: Microseconds after an answer by digit in which digits and enter do nothing, and begin it anew:
@@ -33,6 +48,7 @@ class QuestionnairePage(enum.Enum):
     ITEM = "item"
     SUMMARY = "summary"
     DECLINE = "decline"
+    NO_ANSWER = "no answer"
 
 
 class QuestionnaireRun:
@@ -57,15 +73,21 @@ class QuestionnaireRun:
         #: The item shown; behind the last one is the summary.
         self.position = 0
         self.page = QuestionnairePage.INTRODUCTION
-        #: The mark on the scale, digits typed so far, the chosen line of the summary.
+        #: The mark on the scale as it is shown, or on a choice (from 0); what was typed so far.
         self.mark: int | None = None
         self.typed = ""
-        self.chosen = len(asked.items)
+        #: Codes of the choices that are ticked, and a choice that wants a text as well.
+        self.ticked: frozenset[int] = frozenset()
+        self.pending: ItemAnswer | None = None
+        #: The chosen line of the summary.
+        self.chosen = 0
         #: Why a key was not taken.
         self.complaint = ""
         #: Answers that nobody has confirmed, by item.
         self.unconfirmed: dict[str, AskAnswer] = {}
         self._to_summary = False
+        #: Items whose answer may be missing, and that were asked for once more.
+        self._asked_again: set[str] = set()
         self._shown_us = now_us()
         self._settled_us = self._shown_us
         #: The key that may be held, and when it came last.
@@ -77,9 +99,19 @@ class QuestionnaireRun:
 
     @property
     def item(self) -> QuestionnaireItem | None:
-        """The item shown."""
+        """The item shown, with the numbers and sides that are shown."""
+        return as_shown(self._stored) if self._stored is not None else None
+
+    @property
+    def _stored(self) -> QuestionnaireItem | None:
         items = self.asked.items
         return items[self.position] if self.position < len(items) else None
+
+    @property
+    def number(self) -> int:
+        """Which question it is, from 1; 0: an instruction."""
+        questions = self.asked.questions
+        return questions.index(self._stored) + 1 if self._stored in questions else 0
 
     @property
     def answer(self) -> ItemAnswer | None:
@@ -95,24 +127,53 @@ class QuestionnaireRun:
     @property
     def wants_text(self) -> bool:
         """Whether a text field is to be shown."""
-        return self.page is QuestionnairePage.ITEM and self.item is not None and self.item.text
+        item = self.item if self.page is QuestionnairePage.ITEM else None
+        return item is not None and (item.text or self.pending is not None)
+
+    @property
+    def ways(self) -> list[str]:
+        """How the item can go without an answer."""
+        return ways_out(self._stored) if self._stored is not None else []
 
     # -- moving -------------------------------------------------------------------------------
 
-    def _show(self, position: int) -> None:
-        self.chosen = len(self.asked.items)
-        self.position = max(0, min(position, self.chosen))
+    def _show(self, position: int, step: int = 1) -> None:
+        """The item there, or the next one that is asked."""
+        items, shown = self.asked.items, self.asked.shown
+        while 0 <= position < len(items) and items[position] not in shown:
+            position += step
+        if position < 0:
+            self.page, self.complaint = QuestionnairePage.INTRODUCTION, ""
+            return
+        self.chosen = len(self.asked.questions)
+        self.position = min(position, len(items))
         self.page = QuestionnairePage.ITEM if self.item else QuestionnairePage.SUMMARY
         self.typed = self.complaint = ""
-        self.mark = self.answer.value if self.answer is not None else None
+        self.pending = None
+        self._set_mark()
         self._shown_us = self._now_us()
+
+    def _set_mark(self) -> None:
+        """Where the answer of before stands; nowhere without one."""
+        item, answer = self._stored, self.answer or ItemAnswer()
+        self.mark, self.ticked = None, frozenset(answer.values)
+        if item is None:
+            return
+        codes = [each.value for each in item.choices]
+        if item.asks == "choices":
+            self.mark = 0
+        elif item.asks == "choice":
+            self.mark = codes.index(answer.value) if answer.value in codes else None
+        elif answer.value is not None:
+            self.mark = shown_value(item, answer.value)
+        if item.asks == "month":
+            self.typed = answer.text
+        elif item.asks == "number" and self.mark is not None:
+            self.typed = str(self.mark)
 
     def back(self) -> None:
         """The item before."""
-        if self.position == 0:
-            self.page, self.complaint = QuestionnairePage.INTRODUCTION, ""
-        else:
-            self._show(self.position - 1)
+        self._show(self.position - 1, -1)
 
     def _next(self) -> None:
         """The next one, or back to the summary from where it was chosen."""
@@ -136,6 +197,7 @@ class QuestionnaireRun:
             QuestionnairePage.ITEM: self._item,
             QuestionnairePage.SUMMARY: self._summary,
             QuestionnairePage.DECLINE: self._decline,
+            QuestionnairePage.NO_ANSWER: self._no_answer,
         }[self.page](key)
 
     def ignores(self, key: str) -> bool:
@@ -176,12 +238,24 @@ class QuestionnaireRun:
             return True
         return False
 
+    def _no_answer(self, key: str) -> bool:
+        number = CHOICE_KEYS.find(key) if len(key) == 1 else -1
+        if 0 <= number < len(self.ways):
+            self._leave_out(self.ways[number])
+            self._settle(key)
+        elif key in ("backspace", "up", "left"):
+            self._show(self.position)
+        else:
+            return False
+        return True
+
     def _summary(self, key: str) -> bool:
-        last = len(self.asked.items)
+        questions = self.asked.questions
+        last = len(questions)
         if key == "enter" and self.chosen >= last:
             self._finish()
         elif key == "enter":
-            self._show(self.chosen)
+            self._show(self.asked.items.index(questions[self.chosen]))
             self._to_summary = True
         elif key in ("up", "down"):
             self.chosen = max(0, min(last, self.chosen + (1 if key == "down" else -1)))
@@ -203,12 +277,18 @@ class QuestionnaireRun:
         item = self.item
         if item is None:
             return False
-        if key == "tab":
+        if key == "tab" and item.asks != "page":
             self._skip(item)
+        elif self.pending is not None:
+            return self._pending(key)
+        elif item.asks in ("choice", "choices"):
+            return self._choice(item, key)
         elif key == "up":
             self.back()
         elif key == "down":
             self._forward(item)
+        elif item.asks == "page":
+            return self._instruction(key)
         elif not item.text:
             return self._scale(item, key)
         elif key == "backspace":
@@ -217,20 +297,82 @@ class QuestionnaireRun:
             return False
         return True
 
+    def _instruction(self, key: str) -> bool:
+        if key in ("enter", "space", "right"):
+            self._next()
+        elif key in ("backspace", "left"):
+            self.back()
+        else:
+            return False
+        return True
+
+    def _pending(self, key: str) -> bool:
+        """While the text of a choice is typed."""
+        if key not in ("up", "backspace"):
+            return False
+        self.pending, self.complaint = None, ""
+        return True
+
     def _forward(self, item: QuestionnaireItem) -> None:
-        if item.name in self.asked.answers:
+        if item.name in self.asked.answers or item.asks == "page":
             self._next()
         else:
             words = self.words
             self.complaint = words.answer_or_skip if item.optional else words.answer_first
 
+    def _choice(self, item: QuestionnaireItem, key: str) -> bool:
+        count, several = len(item.choices), item.asks == "choices"
+        number = CHOICE_KEYS.find(key) if len(key) == 1 else -1
+        if key == "space" and several and self.mark is not None:
+            number = self.mark
+        if 0 <= number < count:
+            self.mark, self.complaint = number, ""
+            code = item.choices[number].value
+            if several:
+                self.ticked ^= {code}
+            else:
+                self._choose(item, code)
+                self._settle(key)
+        elif key == "enter":
+            self._confirm_choice(item)
+        elif key in ("down", "right"):
+            self.mark = 0 if self.mark is None else min(self.mark + 1, count - 1)
+        elif key in ("up", "left") and self.mark:
+            self.mark -= 1
+        elif key in ("up", "backspace"):
+            self.back()
+        else:
+            return False
+        return True
+
+    def _confirm_choice(self, item: QuestionnaireItem) -> None:
+        codes = tuple(each.value for each in item.choices if each.value in self.ticked)
+        if item.asks == "choice" and self.mark is not None:
+            self._choose(item, item.choices[self.mark].value)
+        elif item.asks == "choice":
+            self.complaint = self.words.choose
+        elif not codes:
+            self.complaint = self.words.choose_some
+        elif item.other in codes:
+            self.pending, self.complaint = ItemAnswer(values=codes), ""
+        else:
+            self._set_answer(item, ItemAnswer(values=codes))
+
+    def _choose(self, item: QuestionnaireItem, code: int) -> None:
+        if code == item.other:
+            self.pending, self.complaint = ItemAnswer(code), ""
+        else:
+            self._set_answer(item, ItemAnswer(code))
+
     def _scale(self, item: QuestionnaireItem, key: str) -> bool:
+        """A scale, a slider, a number or a month: moved to, or typed."""
         step = {"left": -1, "right": 1, "pagedown": -_LEAP, "pageup": _LEAP}.get(key)
-        if _is_digit(key) or (key == "-" and item.low < 0):
+        moves = item.asks not in ("number", "month")
+        if _is_digit(key) or (key == "-" and (item.low < 0 or item.asks == "month")):
             self._type(item, key)
-        elif step is not None:
+        elif step is not None and moves:
             self._move(item, step)
-        elif key in ("home", "end"):
+        elif key in ("home", "end") and moves:
             self._move_to(item, item.low if key == "home" else item.high)
         elif key == "enter":
             self._confirm(item)
@@ -245,7 +387,7 @@ class QuestionnaireRun:
     def _move(self, item: QuestionnaireItem, step: int) -> None:
         """The first press of an arrow sets the mark on the end it comes from."""
         start = item.low if step > 0 else item.high
-        self._move_to(item, start if self.mark is None else self.mark + step)
+        self._move_to(item, start if self.mark is None else self.mark + step * item.step)
 
     def _move_to(self, item: QuestionnaireItem, value: int) -> None:
         self.mark, self.typed, self.complaint = min(item.high, max(item.low, value)), "", ""
@@ -253,50 +395,93 @@ class QuestionnaireRun:
     def _type(self, item: QuestionnaireItem, digit: str) -> None:
         """A digit answers at once where each point is one; else enter follows the number."""
         typed = self.typed + digit
-        values = map(str, range(item.low, item.high + 1))
-        if not any(value.startswith(typed) for value in values):
+        if item.asks == "month":
+            dash = "-" if len(self.typed) == _YEAR and digit != "-" else ""
+            self._set_typed(item, f"{self.typed}{dash}{digit}"[:_LONGEST_MONTH])
+        elif item.asks == "number":
+            self._set_typed(item, typed[:_LONGEST_NUMBER])
+        elif not any(str(each).startswith(typed) for each in range(item.low, item.high + 1)):
             self._set_typed(item, "")
             self.complaint = self.words.number.format(low=item.low, high=item.high)
-        elif item.digits:
+        elif item.digits and item.asks == "scale":
             self._set_answer(item, ItemAnswer(int(typed)))
-            self._last, self._settled_us = digit, self._now_us() + SETTLING_US
+            self._settle(digit)
         else:
             self._set_typed(item, typed)
 
+    def _settle(self, key: str) -> None:
+        """A key has answered at once: what comes right behind it is part of the same press."""
+        self._last, self._settled_us = key, self._now_us() + SETTLING_US
+
     def _set_typed(self, item: QuestionnaireItem, typed: str) -> None:
         self.typed, self.complaint, self.mark = typed, "", None
-        if typed.removeprefix("-").isdecimal() and item.low <= int(typed) <= item.high:
-            self.mark = int(typed)
+        number = typed.removeprefix("-").isdecimal() and item.asks != "month"
+        if number and item.low <= int(typed) <= item.high:
+            on_step = (int(typed) - item.low) % item.step == 0
+            self.mark = int(typed) if on_step else None
 
     def _confirm(self, item: QuestionnaireItem) -> None:
         """Not with nothing chosen: an enter too many must leave nothing out."""
-        if self.mark is not None:
+        words = self.words
+        if item.asks == "month":
+            if MONTH.fullmatch(self.typed):
+                self._set_answer(item, ItemAnswer(text=self.typed))
+            else:
+                self.complaint = words.month
+        elif self.mark is not None:
             self._set_answer(item, ItemAnswer(self.mark))
+        elif (near := self._between_steps(item)) is not None:
+            above = near + item.step
+            self.complaint = words.step.format(step=item.step, below=near, above=above)
         else:
-            words = self.words.number_or_skip if item.optional else self.words.number
-            self.complaint = words.format(low=item.low, high=item.high)
+            wanted = words.number_or_skip if item.optional else words.number
+            self.complaint = wanted.format(low=item.low, high=item.high)
+
+    def _between_steps(self, item: QuestionnaireItem) -> int | None:
+        """The step below a number that was typed between two of them."""
+        if not self.typed.removeprefix("-").isdecimal():
+            return None
+        typed = int(self.typed)
+        return typed - (typed - item.low) % item.step if item.low <= typed <= item.high else None
 
     def _skip(self, item: QuestionnaireItem) -> None:
-        if item.optional:
-            self._set_answer(item, ItemAnswer(skipped=True))
-        else:
+        ways = self.ways
+        if not ways:
             self.complaint = self.words.wants_answer
+        elif len(ways) > 1:
+            self.page, self.complaint = QuestionnairePage.NO_ANSWER, ""
+        elif item.soft and item.name not in self._asked_again:
+            self._asked_again.add(item.name)
+            self.complaint = self.words.soft
+        else:
+            self._leave_out(ways[0])
+
+    def _leave_out(self, way: str) -> None:
+        if self.item is not None:
+            reason = "" if way == SKIPPED else way
+            self._set_answer(self.item, ItemAnswer(skipped=True, reason=reason))
 
     def write(self, text: str) -> None:
         """The text field was confirmed with enter."""
-        item = self.item
-        if item is None or not item.text:
+        item, pending, text = self.item, self.pending, text.strip()
+        if item is None or not (item.text or pending is not None):
             return
-        if len(text.strip()) > LONGEST:
+        if len(text) > LONGEST:
             self.complaint = self.words.too_long.format(most=LONGEST)
-        elif text.strip():
-            self._set_answer(item, ItemAnswer(text=text.strip()))
+        elif text:
+            self._set_answer(item, replace(pending or ItemAnswer(), text=text))
+        elif pending is not None:
+            self.complaint = self.words.other
         else:
             self._skip(item)
 
     # -- answers ------------------------------------------------------------------------------
 
     def _set_answer(self, item: QuestionnaireItem, answer: ItemAnswer) -> None:
+        """Keep an answer in the numbers that are shown, and send it in those that are stored."""
+        stored = self._stored
+        if stored is not None and answer.value is not None and item.asks in NUMBERS:
+            answer = replace(answer, value=stored_value(stored, answer.value))
         request = AskAnswer(
             questionnaire=self.asked.name,
             item=item.name,
@@ -304,6 +489,8 @@ class QuestionnaireRun:
             text=answer.text,
             answered_us=max(0, self._now_us() - self._shown_us),
             skipped=answer.skipped,
+            values=[*answer.values],
+            reason=answer.reason,
         )
         self.asked.answers[item.name] = answer
         self.unconfirmed[item.name] = request
@@ -329,8 +516,7 @@ class QuestionnaireRun:
         asked.drafts = self.asked.drafts
         self.asked = asked
         for request in list(self.unconfirmed.values()):
-            value = None if request.value is None else round(request.value)
-            asked.answers[request.item] = ItemAnswer(value, request.text, request.skipped)
+            asked.answers[request.item] = answer_told(request)
             self._send(request)
 
 

@@ -14,7 +14,8 @@ from textual.widgets import TextArea
 from woz_tui.console.drawing.cells import Cells
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.link.message_feed import GONE
-from woz_tui.features.questionnaires.answers import ItemAnswer, OpenQuestionnaire
+from woz_tui.features.questionnaires.answers import OpenQuestionnaire
+from woz_tui.features.questionnaires.items import ItemAnswer
 from woz_tui.features.questionnaires.kinds import AskAnswer, AskQuestionnaire
 from woz_tui.features.questionnaires.pages import (
     column_of,
@@ -249,7 +250,8 @@ class QuestionnaireSheet(Vertical):
         question = question_height(run, column, self._glyphs) if run is not None else 0
         room = self.size.height - _FOOT - question
         field.styles.margin = (0, 0, int(room > _FIELD_LEAST), (self.size.width - column) // 2)
-        height = max(_FIELD_LEAST, min(_FIELD, room - 1))
+        lines = run.item.lines + 2 if run is not None and run.item and run.item.lines else _FIELD
+        height = max(_FIELD_LEAST, min(lines, room - 1))
         if height != self._field_height:
             self._field_height = field.styles.height = height
         item = run.item if run is not None and run.wants_text else None

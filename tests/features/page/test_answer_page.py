@@ -18,7 +18,13 @@ from woz_tui.features.page.item_forms import ITEM_FORMS, UnreadAnswerError, answ
 from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered, QuestionnaireEnded
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.welcome import ENGLISH, Questionnaire, QuestionnaireItem
+from woz_tui.protocol.welcome import (
+    ENGLISH,
+    ItemCondition,
+    ItemLabel,
+    Questionnaire,
+    QuestionnaireItem,
+)
 from woz_tui.system.clock import RealClock
 
 UX = Questionnaire(
@@ -67,8 +73,10 @@ class Stage:
 
 
 @asynccontextmanager
-async def on_stage(tmp_path: Path, clock: Clock | None = None) -> AsyncIterator[Stage]:
-    made = study_experiment(tmp_path, STUDY, {QUESTIONNAIRES: Asked((UX,))})
+async def on_stage(
+    tmp_path: Path, clock: Clock | None = None, asked: Questionnaire = UX
+) -> AsyncIterator[Stage]:
+    made = study_experiment(tmp_path, STUDY, {QUESTIONNAIRES: Asked((asked,))})
     async with served_session(tmp_path, made=made) as host, pages(host, clock=clock) as rig:
         wizard = await host.connect()
         await wizard.hello("wizard")
@@ -267,6 +275,11 @@ async def test_each_browser_is_a_participant_of_its_own_and_few_are_taken(tmp_pa
 
 def test_every_kind_of_item_has_a_form() -> None:
     kinds = {
+        **{each: QuestionnaireItem("a", kind=each) for each in ("month", "page")},
+        **{
+            each: QuestionnaireItem("a", kind=each, choices=(ItemLabel(1, "a"), ItemLabel(2, "b")))
+            for each in ("choice", "choices")
+        },
         "scale": QuestionnaireItem("a", low=0, high=20),
         "number": QuestionnaireItem("a", low=0, high=100),
         "text": QuestionnaireItem("a", text=True),
@@ -276,3 +289,82 @@ def test_every_kind_of_item_has_a_form() -> None:
         assert kind_of(item) == kind
         with pytest.raises(UnreadAnswerError):
             answer_of(item, {}, ENGLISH)
+
+
+YES_NO = (ItemLabel(1, "yes"), ItemLabel(2, "no"))
+KINDS = Questionnaire(
+    "ux",
+    introduction="There are no wrong answers.",
+    when="hand",
+    items=(
+        QuestionnaireItem("page-1", "Think of the last task.", kind="page"),
+        QuestionnaireItem(
+            "natural", "", -3, 3, ("fake", "natural"), stem="It was", shift=4, flipped=True
+        ),
+        QuestionnaireItem("effort", "Effort?", 0, 100, ("low", "high"), kind="slider", step=5),
+        QuestionnaireItem(
+            *("often", "How often?", 1, 3, ("never", "always")),
+            labels=(ItemLabel(1, "never"), ItemLabel(2, "at times"), ItemLabel(3, "always")),
+            numbers=False,
+            does_not_apply="does not fit",
+        ),
+        QuestionnaireItem("known", "Used one?", kind="choice", choices=YES_NO),
+        QuestionnaireItem(
+            *("which", "Which?"),
+            kind="choices",
+            choices=(ItemLabel(1, "mower"), ItemLabel(5, "toy"), ItemLabel(6, "other")),
+            other=6,
+            only_if=ItemCondition("known", (1,)),
+        ),
+        QuestionnaireItem("never", "Why not?", text=True, only_if=ItemCondition("known", (2,))),
+        QuestionnaireItem("age", "How old?", 18, 99, kind="number", unit="years", soft=True),
+        QuestionnaireItem("since", "Since when?", kind="month"),
+    ),
+)
+
+
+async def test_items_of_every_kind_without_javascript(tmp_path: Path) -> None:
+    async with on_stage(tmp_path, asked=KINDS) as stage:
+        browser = await stage.rig.participant()
+        page = await stage.begin(browser)
+        assert "Think of the last task." in page
+        page = await send(browser, page, what="seen")
+        assert "It was fake - natural" in page
+        assert page.index("1: natural") < page.index("7: fake")  # the other way round
+        page = await send(browser, page, what="answer", value="2")
+        assert 'value="5"' in page
+        assert 'value="6"' not in page
+        page = await send(browser, page, what="answer", value="12")
+        assert "In steps of 5, please: 10 or 15." in page
+        page = await send(browser, page, what="answer", value="15")
+        assert "at times" in page
+        page = await send(browser, page, what="does_not_apply")
+        page = await send(browser, page, what="answer", value="1")
+        page = await send(browser, page, what="answer")
+        assert "Please choose at least one of these." in page
+        page = await send(browser, page, what="answer", choice1="1", choice6="6")
+        assert "Please say which:" in page
+        page = await send(browser, page, what="answer", choice1="1", choice6="6", text="vacuum")
+        assert ("How old?" in page, "Leave out" in page) == (True, False)
+        page = await send(browser, page, what="answer", value="")
+        assert ENGLISH.soft_button in page
+        page = await send(browser, page, what="skip")
+        page = await send(browser, page, what="answer", text="2026-13")
+        assert ENGLISH.month in page
+        page = await send(browser, page, what="answer", text="2026-11")
+        for said in ("2", "15", "does not fit", "yes", "mower, other: vacuum", "left out"):
+            assert f">{said}<" in page or f"{said} " in page, said
+        assert "Why not?" not in page
+        await send(browser, page, what="done")
+        await shows(browser, "Thank you!")
+    told = [line for line in stage.host.lines if isinstance(line, QuestionnaireAnswered)]
+    assert [(line.item, line.value, line.values, line.text, line.reason) for line in told] == [
+        ("natural", 2.0, [], "", ""),
+        ("effort", 15.0, [], "", ""),
+        ("often", None, [], "", "does_not_apply"),
+        ("known", 1.0, [], "", ""),
+        ("which", None, [1, 6], "vacuum", ""),
+        ("age", None, [], "", ""),
+        ("since", None, [], "2026-11", ""),
+    ]
+    assert {line.given for line in told} == {"browser"}

@@ -10,10 +10,10 @@ from collections.abc import Mapping
 
 from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
 from woz_tui.features.page.html import hidden, page
-from woz_tui.features.page.item_forms import ITEM_FORMS, kind_of
+from woz_tui.features.page.item_forms import item_form
 from woz_tui.features.page.seat import ParticipantSeat
 from woz_tui.features.questionnaires.answers import OpenQuestionnaire
-from woz_tui.features.questionnaires.items import ItemAnswer
+from woz_tui.features.questionnaires.items import SKIPPED, ItemAnswer, said, way_text, wording
 from woz_tui.protocol.welcome import QuestionnaireItem
 
 #: Seconds after which a browser without JavaScript looks whether something is asked.
@@ -28,7 +28,7 @@ def answer_page(seat: ParticipantSeat, wanted: Mapping[str, str]) -> str:
     asked = seat.asked
     if asked is None or seat.lost:
         return _nothing_asked(seat)
-    items = {item.name: item for item in asked.items}
+    items = {item.name: item for item in asked.shown}
     chosen = items.get(wanted.get("item", ""))
     if "stop" in wanted:
         return _decline(seat, asked)
@@ -67,7 +67,7 @@ def _nothing_asked(seat: ParticipantSeat) -> str:
 
 
 def _introduction(seat: ParticipantSeat, asked: OpenQuestionnaire) -> str:
-    count = len(asked.items)
+    count = len(asked.questions)
     words, told = seat.words, asked.questionnaire.introduction.strip().split("\n")
     many = words.questions_one if count == 1 else words.questions.format(count=count)
     return _page(
@@ -82,47 +82,52 @@ def _introduction(seat: ParticipantSeat, asked: OpenQuestionnaire) -> str:
 
 
 def _item(seat: ParticipantSeat, asked: OpenQuestionnaire, item: QuestionnaireItem) -> str:
-    words, place = seat.words, [each.name for each in asked.items].index(item.name)
+    words, shown, questions = seat.words, asked.shown, asked.questions
+    place = shown.index(item)
     shown_us = seat.show(item.name)
     answer = asked.answers.get(item.name) or ItemAnswer()
-    fields = ITEM_FORMS[kind_of(item)].fields(item, answer, words)
     hint = tag("p", words.optional, class_="muted") if item.optional else None
-    buttons = (
-        _button("answer", words.next),
-        _button("skip", words.skip, quiet=True) if item.optional else None,
-    )
-    back = f"{HERE}?item={asked.items[place - 1].name}" if place else ""
-    count = len(asked.items)
+    buttons = [_button("seen" if item.asks == "page" else "answer", words.next)]
+    for way in seat.ways(item):
+        told = way_text(item, way, words.skip)
+        buttons.append(_button("skip" if way == SKIPPED else way, told, quiet=True))
+    back = f"{HERE}?item={shown[place - 1].name}" if place else ""
+    count = len(questions)
+    number = questions.index(item) + 1 if item in questions else 0
+    at = words.position.format(number=number, count=count) if number else ""
     return _page(
         seat,
         asked.questionnaire.heading,
-        tag(
-            "header",
-            tag("span", isolated(asked.questionnaire.heading)),
-            tag("span", words.position.format(number=place + 1, count=count)),
-        ),
+        tag("header", tag("span", isolated(asked.questionnaire.heading)), tag("span", at)),
         tag("progress", value=str(asked.answered), max=str(count), aria_hidden="true"),
         _form(
             seat,
             hidden("item", item.name),
             hidden("before", str(shown_us // 1000)),
-            tag("fieldset", tag("legend", isolated(item.question)), hint, fields),
+            tag("fieldset", _asked(item), hint, item_form(item, answer, words)),
             tag("div", buttons, class_="buttons"),
         ),
         _stop(seat, tag("a", words.back, href=back) if back else None),
     )
 
 
+def _asked(item: QuestionnaireItem) -> Child:
+    """The question, or the lines of an instruction."""
+    if item.asks == "page":
+        return [tag("p", isolated(line)) for line in item.question.strip().split("\n")]
+    return tag("legend", isolated(wording(item)))
+
+
 def _summary(seat: ParticipantSeat, asked: OpenQuestionnaire) -> str:
     """All answers, each with a way to change it, and the way to finish."""
     words = seat.words
     rows = []
-    for item in asked.items:
+    for item in asked.questions:
         answer = asked.answers.get(item.name)
-        said = words.no_answer if answer is None else answer.shown(words.left_out)
-        about = tag("span", item.question, class_="unseen")
+        told = words.no_answer if answer is None else said(item, answer, words.left_out)
+        about = tag("span", wording(item), class_="unseen")
         change = tag("a", words.change, " ", about, href=f"{HERE}?item={item.name}")
-        rows += [tag("dt", isolated(item.question)), tag("dd", isolated(said), " ", change)]
+        rows += [tag("dt", isolated(wording(item))), tag("dd", isolated(told), " ", change)]
     return _page(
         seat,
         asked.questionnaire.heading,

@@ -17,9 +17,9 @@ from woz_tui.console.link.message_feed import GONE, Incoming, Loss
 from woz_tui.features.page.follower import SessionFollower
 from woz_tui.features.page.item_forms import UnreadAnswerError, answer_of
 from woz_tui.features.page.news import News, within
-from woz_tui.features.questionnaires.answers import OpenQuestionnaire
+from woz_tui.features.questionnaires.answers import OpenQuestionnaire, answer_told
 from woz_tui.features.questionnaires.console import questionnaires_of
-from woz_tui.features.questionnaires.items import ItemAnswer
+from woz_tui.features.questionnaires.items import DOES_NOT_APPLY, PREFER_NOT, SKIPPED, ways_out
 from woz_tui.features.questionnaires.kinds import (
     AskAnswer,
     AskQuestionnaire,
@@ -36,6 +36,8 @@ _WELCOME_S = 3.0
 _FORMS = 50
 #: What ends a questionnaire.
 _ENDS = ("done", "declined")
+#: What leaves an item without an answer, and the reason that is stored.
+_WAYS = {"skip": "", DOES_NOT_APPLY: DOES_NOT_APPLY, PREFER_NOT: PREFER_NOT}
 
 
 class NotSentError(Exception):
@@ -65,6 +67,10 @@ class ParticipantSeat:
         self.complaint = ""
         self._clock = clock
         self._introduced: object = None
+        #: Instructions that were read, and items that may be left out now that they were asked for
+        #: once more, each with its round.
+        self._read: set[tuple[str, str]] = set()
+        self._asked_again: set[tuple[str, str]] = set()
         self._shown: tuple[object, str] = (None, "")
         self._shown_us = 0
         self._forms = 0
@@ -136,10 +142,28 @@ class ParticipantSeat:
 
     @property
     def open_item(self) -> str:
-        """The first item that nobody has answered, here or on another tablet; empty: all are."""
+        """The first item that nobody has answered, here or on another tablet, or an instruction
+        before it that was not read here; empty: all are.
+        """
         asked = self.asked
-        place = asked.first_open() if asked is not None else 0
-        return asked.items[place].name if asked is not None and place < len(asked.items) else ""
+        if asked is None:
+            return ""
+        shown, first = asked.shown, asked.first_open()
+        place = shown.index(asked.items[first]) if first < len(asked.items) else len(shown)
+        before = place
+        while before and shown[before - 1].asks == "page":
+            before -= 1
+        unread = (
+            each.name for each in shown[before:place] if (self.round, each.name) not in self._read
+        )
+        return next(unread, shown[place].name if place < len(shown) else "")
+
+    def ways(self, item: QuestionnaireItem) -> list[str]:
+        """How an item can go without an answer now: one that wants to be asked for once more does
+        not offer that before.
+        """
+        late = item.soft and (self.round, item.name) not in self._asked_again
+        return [way for way in ways_out(item) if way != SKIPPED or not late]
 
     @property
     def notice(self) -> str:
@@ -197,6 +221,8 @@ class ParticipantSeat:
         what = form.get("what", "")
         if what == "begin":
             self._introduced = asked.round
+        elif what == "seen":
+            self._read.add((self.round, str(form.get("item", ""))))
         elif what in _ENDS:
             await self._ask(
                 AskQuestionnaire(questionnaire=asked.name, what=what, source="participant")
@@ -207,19 +233,23 @@ class ParticipantSeat:
     async def _answer(
         self, asked: OpenQuestionnaire, item: QuestionnaireItem, form: Mapping[str, Any]
     ) -> None:
-        if form.get("what") == "skip":
-            answer = AskAnswer(questionnaire="", item=item.name, skipped=True)
+        what = str(form.get("what"))
+        if what in _WAYS:
+            reason = _WAYS[what]
+            answer = AskAnswer(
+                questionnaire="", item=item.name, skipped=True, reason=reason, given="browser"
+            )
         else:
             try:
                 answer = answer_of(item, form, self.words)
             except UnreadAnswerError as error:
-                self.complaint = str(error)
+                self.complaint = self.words.soft_button if item.soft else str(error)
+                self._asked_again.add((self.round, item.name))
                 return
         took_us = self._took_us(item.name, form)
         answer = msgspec.structs.replace(answer, questionnaire=asked.name, answered_us=took_us)
         if await self._ask(answer):
-            value = None if answer.value is None else round(answer.value)
-            asked.answers[item.name] = ItemAnswer(value, answer.text, answer.skipped)
+            asked.answers[item.name] = answer_told(answer)
             self._shown = (None, "")
 
     def _took_us(self, item: str, form: Mapping[str, Any]) -> int:

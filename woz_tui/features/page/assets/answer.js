@@ -23,15 +23,17 @@ function place() {
 }
 
 function keepDraft() {
-  const told = [...new FormData(form)].filter(([name]) => name === "value" || name === "text");
+  const told = [...new FormData(form)].filter(([name]) => /^(value|text|choice-?\d+)$/.test(name));
   kept.set(place(), JSON.stringify(Object.fromEntries(told)));
 }
 
 function useDraft() {
   const draft = JSON.parse(kept.get(place()) || "{}");
-  for (const field of form.querySelectorAll("input[name=value], textarea")) {
-    if (!(field.name in draft)) continue;
-    if (field.type === "radio") field.checked = field.value === draft.value;
+  if (!Object.keys(draft).length) return;
+  for (const field of form.querySelectorAll("input:not([type=hidden]), textarea")) {
+    if (field.type === "checkbox") field.checked = field.name in draft;
+    else if (!(field.name in draft)) continue;
+    else if (field.type === "radio") field.checked = field.value === draft.value;
     else field.value = draft[field.name];
   }
 }

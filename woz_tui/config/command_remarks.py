@@ -80,7 +80,11 @@ class CommandChecker:
         """The arguments as conditions and variants make them, each only once."""
         found: list[dict[str, Json]] = []
         for condition, values in self.values.items():
-            variants = {name: choice.of(condition) for name, choice in choices.items()}
+            known = {"condition": condition}
+            variants = {
+                name: choice.every if choice.by else choice.of(known)
+                for name, choice in choices.items()
+            }
             for index in range(max(map(len, variants.values()), default=1)):
                 chosen = {name: texts[index % len(texts)] for name, texts in variants.items()}
                 given = {n: _rendered(value, values) for n, value in {**args, **chosen}.items()}

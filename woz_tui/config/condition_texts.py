@@ -7,22 +7,31 @@ variables:
 In an action they stand in place:
 
   say: {warm: "How nice!", cold: {any: ["Well.", "I see."]}}
+
+Who is addressed may decide instead of the condition:
+
+  say: {by: visitor.age_group, child: "Look, a whale!", else: "This is a blue whale."}
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import TypeVar
 
 from woz_tui.config import utterance_template
-from woz_tui.config.experiment import Action, TextVariants
+from woz_tui.config.experiment import ELSE, Action, TextVariants
 from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import Cursor, read_text
+from woz_tui.config.yaml_cursor import Cursor, read_text, read_word
 from woz_tui.config.yaml_nodes import MappingNode
 
 #: What lists variants, where a condition's name could stand.
 ANY = "any"
+#: What names the variable by which a text is chosen instead.
+BY = "by"
+#: Variables by which a text can be chosen, and the values that each may have; none: any.
+Deciding = Mapping[str, Collection[str]]
 
 T = TypeVar("T")
 
@@ -82,15 +91,18 @@ def read_variables(
 def is_choice(cursor: Cursor, conditions: Collection[str]) -> bool:
     """Whether a mapping says what is chosen, and not something else."""
     return isinstance(cursor.node, MappingNode) and any(
-        name == ANY or name in conditions for name in cursor.node.entries
+        name in (ANY, BY) or name in conditions for name in cursor.node.entries
     )
 
 
 def read_choice(
-    cursor: Cursor, conditions: Sequence[str], read: Callable[[Cursor], str | None]
+    cursor: Cursor,
+    conditions: Sequence[str],
+    read: Callable[[Cursor], str | None],
+    deciding: Deciding = MappingProxyType({}),
 ) -> TextVariants | None:
-    """Texts by condition, variants, or variants by condition; None if any of it is wrong. `read`
-    reads one text.
+    """Texts by condition or by one of the variables that are `deciding`, variants, or variants by
+    condition or variable; None if any of it is wrong. `read` reads one text.
     """
     wrong = False
 
@@ -105,6 +117,9 @@ def read_choice(
         return tuple(text for text in found if text is not None)
 
     table = dict(cursor.entries())
+    if BY in table and BY not in conditions:
+        by, chosen = _read_by_variable(table, deciding, variants)
+        return None if wrong or not by else TextVariants(chosen, by)
     if ANY in table and ANY in conditions:
         table[ANY].error(
             f"{ANY!r} lists variants here and cannot be a condition; rename the condition"
@@ -125,6 +140,33 @@ def read_choice(
 def texts(cursor: Cursor, conditions: Sequence[str]) -> dict[str, str]:
     """A text for each condition, none left out; what is wrong is reported."""
     return _read_by_condition(cursor, conditions, lambda entry: read_text(entry) or "")
+
+
+def _read_by_variable(
+    table: dict[str, Cursor], deciding: Deciding, read: Callable[[Cursor], T]
+) -> tuple[str, dict[str, T]]:
+    """The variable that decides, and what is read for each of its values and whatever else it may
+    be; an empty one if any of it is wrong.
+    """
+    entry = table.pop(BY)
+    by = read_word(entry, deciding) if deciding else None
+    if not deciding:
+        entry.error(
+            "nothing is known of people here by which a text could be chosen; add the section"
+            " engagement, or participants: {fields: {group: [child, adult]}}"
+        )
+    chosen = {value: read(text) for value, text in table.items()}
+    if by is None:
+        return "", chosen
+    if ELSE not in table:
+        entry.error(f"needs a text for everybody else: {ELSE}: ...")
+        return "", chosen
+    if known := deciding[by]:
+        for value, text in table.items():
+            if value != ELSE and value not in known:
+                near = entry.report.hint(value, known, or_list="it can be")
+                text.error(f"{by} is never {quoted(value)}{near}")
+    return by, chosen
 
 
 def _read_by_condition(

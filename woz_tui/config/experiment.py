@@ -58,27 +58,37 @@ class DriverSpec:
         return self.type if self.at is None else f"{self.type}, at {self.at.name}"
 
 
+#: Names the variants for whatever else the deciding variable is.
+ELSE = "else"
+
+
 @dataclass(frozen=True, slots=True)
 class TextVariants:
     """A text that is chosen when its action is played: condition -> its variants. One that does not
-    depend on the condition has them under an empty name.
+    depend on the condition has them under an empty name. `by`: the variable that decides instead of
+    the condition; `else` has the variants where it has none of these values, or none.
     """
 
     texts: Mapping[str, tuple[str, ...]]
+    by: str = ""
 
     @property
     def depends(self) -> bool:
         """Whether the condition decides."""
-        return "" not in self.texts
+        return not self.by and "" not in self.texts
 
     @property
     def every(self) -> tuple[str, ...]:
         """All of its texts."""
         return tuple(text for variants in self.texts.values() for text in variants)
 
-    def of(self, condition: str) -> tuple[str, ...]:
-        """The variants in this condition; nothing if it is none of those that the file names."""
-        return self.texts.get("" if not self.depends else condition, ())
+    def of(self, values: Mapping[str, str]) -> tuple[str, ...]:
+        """The variants with these values of the variables; nothing if the condition is none of
+        those that the file names.
+        """
+        if self.by:
+            return self.texts.get(values.get(self.by, ""), self.texts[ELSE])
+        return self.texts.get(values.get("condition", "") if self.depends else "", ())
 
 
 #: What a step may wait for beside the ends of its commands.

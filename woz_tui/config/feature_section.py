@@ -100,6 +100,17 @@ class FeatureSection(Generic[S]):
         """JSON Schema of its keys of robot files (`Feature.robot_keys`)."""
         return {}
 
+    def variables(self, table: Mapping[str, Cursor]) -> Mapping[str, Collection[str] | None]:
+        """Variables that sentences may have because of the feature (see
+        `session_features.SessionFeature.values`). A text may be chosen by those that tell of a
+        person, and their values are said: what they can be, nothing for anything; None: by this
+        one none is chosen. `table`: the top level's entries.
+        """
+        return {}
+
+    def check(self, experiment: Experiment, table: Mapping[str, Cursor]) -> None:
+        """Report what can be said once all of the file has been read."""
+
     def read(self, table: Mapping[str, Cursor], file: Any, contents: FileContents) -> S:
         """What the file's top level says. What is wrong is reported where it stands.
 

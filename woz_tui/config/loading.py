@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import logging
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -154,7 +154,7 @@ class _ExperimentDecoder:
         section = table.get("engagement")
         filled = (
             *utterance_template.BUILT_IN,
-            *((utterance_template.VISITOR,) if section is not None else ()),
+            *(utterance_template.OF_VISITOR if section is not None else ()),
         )
         variables = read_variables(table.get("variables"), filled, conditions)
         language = Language(table.get("language"), self._path.absolute().parent, self._sources)
@@ -166,14 +166,26 @@ class _ExperimentDecoder:
         for name, each in features.items():
             with self._naming(name, root):
                 reading[name] = each.begin(surroundings)
+        of_features: dict[str, Collection[str] | None] = {}
+        for name, begun in reading.items():
+            with self._naming(name, root):
+                of_features |= begun.variables(table)
+        of_people: dict[str, Collection[str] | None] = dict.fromkeys(
+            utterance_template.OF_VISITOR[1:] if section is not None else (), ()
+        )
         own = _own(session_verbs(conditions, panel_titles(panels_cursor)), section)
         vocabulary = Vocabulary(
             robots,
             own | _of_features(reading),
-            dict.fromkeys((*filled, *variables.names)),
+            dict.fromkeys((*filled, *variables.names, *of_features)),
             CommandChecker.of(self._path.absolute().parent, variables, conditions),
             conditions,
             another,
+            {
+                name: values
+                for name, values in {**of_people, **of_features}.items()
+                if values is not None
+            },
         )
         steps = StepReader(vocabulary)
         panels = PanelReader(steps, file.keyboard)
@@ -235,6 +247,9 @@ class _ExperimentDecoder:
                 check_engagement(engagement, playing, panels.drafts, self._report)
         cross_checks.check_across(experiment, table, panels.drafts, self._report)
         cross_checks.check_covers(experiment, verb_names, self._report)
+        for name, begun in reading.items():
+            with self._naming(name, root):
+                begun.check(experiment, table)
         return replace(experiment, warnings=tuple(self._report.warnings))
 
     @contextmanager

@@ -14,8 +14,12 @@ if TYPE_CHECKING:  # consoles fill in what the robot process has checked
 
 #: Variables that the session itself fills in.
 BUILT_IN = ("participant", "condition", "session", "trial", "wizard")
-#: One more where there is an engagement model: who stands there.
+#: More where there is an engagement model: who stands there, and what is known of them.
 VISITOR = "visitor"
+AGE_GROUP, ADDRESS = f"{VISITOR}.age_group", f"{VISITOR}.address"
+OF_VISITOR = (VISITOR, AGE_GROUP, ADDRESS)
+#: Begins the variables of what is known of the participant: `{participant.group}`.
+PARTICIPANT = "participant"
 
 #: Stands for a text that depends on the condition, where that is kept.
 HIDDEN_TEXT = "..."
@@ -25,6 +29,8 @@ TO_WRITE = "TO WRITE"
 UNWRITTEN = "not written yet: the robot would say it as it stands"
 #: What a variable may be called.
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+#: What stands in braces: such a name, or something known of a person.
+_VARIABLE = re.compile(rf"(?:(?:{VISITOR}|{PARTICIPANT})\.)?{NAME.pattern}")
 
 _PART = re.compile(r"\{\{|\}\}|\{(?P<name>[^{}\n]*)\}|(?P<brace>[{}])")
 
@@ -34,7 +40,7 @@ def names(text: str) -> list[str]:
     return [
         match["name"]
         for match in _PART.finditer(text)
-        if match["name"] is not None and NAME.fullmatch(match["name"])
+        if match["name"] is not None and _VARIABLE.fullmatch(match["name"])
     ]
 
 
@@ -48,7 +54,7 @@ def fill(text: str, value_of: Callable[[str], str]) -> str:
         name = match["name"]
         if name is None:
             return match[0][0]
-        return value_of(name) if NAME.fullmatch(name) else match[0]
+        return value_of(name) if _VARIABLE.fullmatch(name) else match[0]
 
     return _PART.sub(part, text)
 

@@ -7,12 +7,12 @@ Arguments stand beside the verb (`play: nod, speed: 0.5`) or under it (`play: {m
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from woz_tui.config import utterance_template
 from woz_tui.config.annotated_decoder import resolve_path
 from woz_tui.config.command_remarks import CommandChecker
-from woz_tui.config.condition_texts import is_choice, read_choice
+from woz_tui.config.condition_texts import Deciding, is_choice, read_choice
 from woz_tui.config.experiment import ARRIVED, Call, LeftOut, ParallelCalls, TextVariants
 from woz_tui.config.performers import ENGAGEMENT, performers
 from woz_tui.config.problems import ProblemReport, join, listed, quoted
@@ -50,6 +50,7 @@ class Vocabulary:
     """All verbs of an experiment, and what their arguments may refer to.
 
     `another`: the robot that plays it instead of `robots`, which still decides what can be written.
+    `deciding`: variables by which a text can be chosen.
     """
 
     robots: Robots
@@ -58,6 +59,7 @@ class Vocabulary:
     looker: CommandChecker
     conditions: Sequence[str] = ()
     another: Robots | None = None
+    deciding: Deciding = field(default_factory=dict)
 
     def offers(self, verb: str) -> Sequence[VerbOffer]:
         """Who offers the verb; those that need no driver come before any driver's."""
@@ -393,6 +395,7 @@ class _Arguments:
     def __init__(self, vocabulary: Vocabulary, offer: VerbOffer, cursor: Cursor) -> None:
         self._variables = vocabulary.variables
         self._conditions = vocabulary.conditions
+        self._deciding = vocabulary.deciding
         self._looker = vocabulary.looker
         self._offer = offer
         self._verb = offer.verb
@@ -447,7 +450,7 @@ class _Arguments:
             text = self._value(one, argument)
             return text if isinstance(text, str) else None
 
-        return read_choice(entry, self._conditions, read)
+        return read_choice(entry, self._conditions, read, self._deciding)
 
     def _misplaced(self, entry: Cursor) -> bool:
         """Whether the verb's main argument holds what belongs to another one; reported."""

@@ -90,6 +90,7 @@ class PlayAction:
     """An action by its name, from a key, a line of a script, a program, a phase; `action`: None
     where the file has none. `at`: the moment for which it is asked, 0: now. `beside_panels`:
     it is a feature's, and no panel's. `under_way`: its key counts once, and it waits or is running.
+    `given`: variables of its sentences whose values come with the request.
     """
 
     name: str
@@ -99,6 +100,7 @@ class PlayAction:
     at: int = 0
     beside_panels: bool = False
     under_way: Literal["", "waits", "is running"] = ""
+    given: Collection[str] = ()
 
 
 @dataclass(frozen=True, slots=True)

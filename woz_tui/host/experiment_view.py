@@ -119,7 +119,7 @@ class ExperimentView:
             session.experiment,
             session.locked,
             session.features.facts(),
-            session.values(),
+            session.own_values(),
             study_snapshot(session.state.study.settings, session.state),
         )
 

@@ -64,6 +64,7 @@ from woz_tui.protocol.requests import (
     Reply,
     Request,
 )
+from woz_tui.session.action_texts import given_values
 from woz_tui.session.session import Session
 from woz_tui.session.session_features import Client
 from woz_tui.session.typed_actions import Reader, copy_with_sentences, without_typed, write_beside
@@ -192,7 +193,10 @@ class RequestHandlers:
         match request:
             case AskAction(action=action, source=source, key=key, when_busy=when_busy):
                 origin = RequestOrigin(source, key, client.name)
-                play = partial(session.play, action, origin, when_busy, stale, request.at)
+                given = given_values(request, tells, by_program=client.role != "wizard")
+                play = partial(
+                    session.play, action, origin, when_busy, stale, request.at, given=given
+                )
                 run = play() if stale else self.switch.play(client, request, play)
             case AskVerb():
                 send = partial(self._verb, client, request, stale)
@@ -457,7 +461,14 @@ def _refused(client: ClientConnection, request: Request, error: RequestError) ->
     hint = error.hint
     if client.view is not None and error.conditions:
         hint = f"there are {', '.join(client.view.redactor.labels(error.conditions))}"
-    return Reply(ref=request.ref, ok=False, reason=error.reason, hint=hint, command=error.command)
+    return Reply(
+        ref=request.ref,
+        ok=False,
+        reason=error.reason,
+        hint=hint,
+        command=error.command,
+        needs=[*error.needs],
+    )
 
 
 def _with_end(client: ClientConnection, reply: Reply, end: ActionEnd | End) -> Reply:

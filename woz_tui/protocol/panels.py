@@ -13,7 +13,8 @@ TYPED = "Typed"
 class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """An action as the console shows it; `key` is the chord as the experiment file has it, in the
     normal form of `woz_tui.config.keys`; `verbs` what it does, for icons and search; `then`
-    names actions that are likely to follow; `without` verbs that this robot does not do of it.
+    names actions that are likely to follow; `without` verbs that this robot does not do of it;
+    `slots` of its sentences.
     """
 
     name: str
@@ -25,6 +26,7 @@ class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     locked: bool = False
     then: list[str] = []
     without: list[str] = []
+    slots: list[str] = []
 
 
 def covers_verb(covers: Iterable[str], verb: str, driver: str = "") -> bool:

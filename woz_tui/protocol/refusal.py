@@ -11,26 +11,34 @@ class Refusal:
     """Why something may not happen: as a word (of `messages.Refused`) and in a sentence.
 
     `remedy` says what would help; `command` is the id of the console's key that does it
-    (`config/keys/builtin_keys.json`).
+    (`config/keys/builtin_keys.json`). `needs`: what was not given with the request.
     """
 
     code: str
     reason: str
     remedy: str = ""
     command: str = ""
+    needs: Sequence[str] = ()
 
 
 class RequestError(ValueError):
     """What was asked for cannot be done; `hint` says what would help, or lists `conditions`.
 
-    `command` is the id of the console's key (`config/keys/builtin_keys.json`) that helps.
+    `command` is the id of the console's key (`config/keys/builtin_keys.json`) that helps, `needs`
+    what was not given with the request.
     """
 
     def __init__(
-        self, reason: str, hint: str = "", conditions: Sequence[str] = (), command: str = ""
+        self,
+        reason: str,
+        hint: str = "",
+        conditions: Sequence[str] = (),
+        command: str = "",
+        needs: Sequence[str] = (),
     ) -> None:
         super().__init__(reason)
         self.command = command
+        self.needs = needs
         self.reason = reason
         self.hint = f"there are {', '.join(conditions)}" if conditions else hint
         self.conditions = conditions
@@ -38,4 +46,5 @@ class RequestError(ValueError):
     @classmethod
     def of(cls, refusal: Refusal) -> RequestError:
         """What the gate says."""
-        return cls(refusal.reason, refusal.remedy, command=refusal.command)
+        command, needs = refusal.command, refusal.needs
+        return cls(refusal.reason, refusal.remedy, command=command, needs=needs)

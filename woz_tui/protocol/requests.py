@@ -14,7 +14,13 @@ from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
 from woz_tui.protocol.envelope import Answer, Json
 from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
-from woz_tui.protocol.welcome import Allowance, ModelLimits, StudySettings, WelcomeSettings
+from woz_tui.protocol.welcome import (
+    Allowance,
+    ModelLimits,
+    SlotView,
+    StudySettings,
+    WelcomeSettings,
+)
 
 #: The version of the protocol. Whoever says another one is refused.
 PROTOCOL = 2
@@ -97,6 +103,10 @@ class AskAction(Request, frozen=True, kw_only=True, tag="action"):
     `key` is the chord that was pressed, if one was. `age_us`: how old the press may be already.
     `stale`: the console decided not to play it; it is logged as refused. `at`: the moment on the
     axis of `t` at which it is to begin, in microseconds (0: now); one that has passed is refused.
+
+    `slots`: what is to stand in the slots of its sentences, by name; where one is empty that is not
+    kept, the reply `needs` it. `slot_sources`: where a wizard has it from (typed, offered, heard),
+    `slots_took_us`: how long that took.
     """
 
     sourced = True
@@ -109,6 +119,9 @@ class AskAction(Request, frozen=True, kw_only=True, tag="action"):
     stale: bool = False
     when_busy: WhenBusy = ""
     at: int = 0
+    slots: dict[str, str] = {}
+    slot_sources: dict[str, str] = {}
+    slots_took_us: int = 0
 
 
 class AskVerb(Request, frozen=True, kw_only=True, tag="verb"):
@@ -391,10 +404,11 @@ class Reply(Answer, frozen=True, kw_only=True, tag="reply"):
     """The answer to one request; not part of the session's stream and never logged.
 
     `run` names what was started, or what was refused. `reason` says why not, `hint` what would
-    help, and `command` which of the console's own keys (its id). `data` carries what the request
-    asked for. `ended`: the kind of the message with which the run has ended already, so that nobody
-    waits for it. `recorded`: whether every line so far was given to the kernel, so that it is in
-    the log whatever becomes of the robot process.
+    help, and `command` which of the console's own keys (its id). `needs`: what has to be given with
+    the request (slots). `data` carries what the request asked for. `ended`: the kind of the message
+    with which the run has ended already, so that nobody waits for it. `recorded`: whether every
+    line so far was given to the kernel, so that it is in the log whatever becomes of the robot
+    process.
     """
 
     ref: int
@@ -402,6 +416,7 @@ class Reply(Answer, frozen=True, kw_only=True, tag="reply"):
     reason: str = ""
     hint: str = ""
     command: str = ""
+    needs: list[str] = []
     run: str = ""
     data: Json = None
     ended: str = ""
@@ -508,6 +523,7 @@ class PanelsChanged(Answer, frozen=True, kw_only=True, tag="panels"):
     allows: dict[str, Allowance] = {}
     engagement: ModelLimits = ModelLimits()
     phases: list[PhaseView] = []
+    slots: dict[str, SlotView] = {}
     sensors: list[str] = []
     study: StudySettings | None = None
     stale_after: float | None = None

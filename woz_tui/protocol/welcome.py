@@ -28,6 +28,16 @@ class Allowance(msgspec.Struct, frozen=True, omit_defaults=True):
     hide: bool = False
 
 
+class SlotView(msgspec.Struct, frozen=True, omit_defaults=True):
+    """A slot of sentences: values that are offered, whether words that were heard are, and for how
+    long a value is kept (trial, participant; empty: not).
+    """
+
+    offer: list[str] = []
+    heard: bool = False
+    keep: str = ""
+
+
 class ModelLimits(msgspec.Struct, frozen=True, omit_defaults=True):
     """What limits the engagement model in time, in seconds; the defaults: there is no model.
 
@@ -306,6 +316,7 @@ class WelcomeSettings(msgspec.Struct, frozen=True, kw_only=True):
     allows: dict[str, Allowance] = {}
     engagement: ModelLimits = ModelLimits()
     phases: list[PhaseView] = []
+    slots: dict[str, SlotView] = {}
     sensors: list[str] = []
     study: StudySettings = StudySettings()
     replay: ReplayedLog | UnsetType = UNSET

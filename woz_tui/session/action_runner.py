@@ -20,7 +20,14 @@ from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS, SPEAKING_VERBS, is_by_hand, weakest
 from woz_tui.protocol.refusal import Refusal, RequestError
-from woz_tui.session.action_texts import ActionTexts, Steps, calls_in, missing_value_error
+from woz_tui.session.action_texts import (
+    NOTHING_GIVEN,
+    ActionTexts,
+    GivenValues,
+    Steps,
+    calls_in,
+    missing_value_error,
+)
 from woz_tui.session.variables import MissingValueError
 from woz_tui.timeline.session_state import SessionState
 
@@ -52,6 +59,10 @@ class Holds(Protocol):
 
     def drop(self, run: str) -> None:
         """What is held as `run`, if anything is, has been ended."""
+        ...
+
+    def filled(self, run: str, action: Action, given: GivenValues) -> None:
+        """The texts of an action were filled in for this run, which is about to begin."""
         ...
 
 
@@ -141,19 +152,23 @@ class ActionRunner:
         at: int = 0,
         again: WhyNot | None = None,
         edited: bool = False,
+        given: GivenValues = NOTHING_GIVEN,
     ) -> tuple[str, RequestError | None]:
         """Begin an action: run id, and why it was refused (None: it was not).
 
         `steps`: what it does, filled in, where that is not what stands in the file. `at`: when it
         begins, on the axis of `t`; 0: now. `again` is asked when it begins after it has waited.
-        `edited`: its sentence was typed anew.
+        `edited`: its sentence was typed anew. `given`: values of variables that came with the
+        request.
         """
         without = [each.what for each in action.left_out]
         run_id = self._request(action.name, action.panel, origin, without, edited=edited)
         fills = steps is None
         try:
             # All of them before the first: no action ends half-way because a value is missing.
-            steps = self._texts.play(action) if steps is None else steps
+            if steps is None:
+                steps = self._texts.play(action, given)
+                self._holds_back.filled(run_id, action, given)
         except MissingValueError as error:
             self._hub.publish(m.ActionRefused(run=run_id, action=action.name, reason=str(error)))
             return run_id, missing_value_error(error)

@@ -5,16 +5,18 @@ Consoles are told before anything is played, and what they were told is what is 
 
 from __future__ import annotations
 
+import itertools
 import random
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import msgspec
 
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import (
+    ELSE,
     Action,
     Call,
     Experiment,
@@ -23,7 +25,7 @@ from woz_tui.config.experiment import (
     Wait,
 )
 from woz_tui.config.performers import composers
-from woz_tui.config.utterance_template import HIDDEN_TEXT, VISITOR
+from woz_tui.config.utterance_template import HIDDEN_TEXT, OF_VISITOR, names
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.refusal import RequestError
@@ -33,6 +35,49 @@ from woz_tui.session.variables import MissingValueError, VariableValues, fill_va
 SAY, TEXT = "say", "text"
 #: The argument that names a file with what a performer composes.
 FILE = "file"
+
+
+@dataclass(frozen=True, slots=True)
+class GivenValues:
+    """What comes with a request for an action: values of variables in its sentences, where each is
+    from and what it tells (see `messages.RestrictedMessage`), how long a wizard took.
+    """
+
+    values: Mapping[str, str] = field(default_factory=dict)
+    sources: Mapping[str, str] = field(default_factory=dict)
+    tells: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    took_us: int = 0
+    by_program: bool = False
+
+
+#: What most requests bring along.
+NOTHING_GIVEN = GivenValues()
+
+
+class GivingRequest(Protocol):
+    """A request for an action that may bring values along."""
+
+    @property
+    def slots(self) -> Mapping[str, str]:
+        """By name."""
+
+    @property
+    def slot_sources(self) -> Mapping[str, str]:
+        """Where a wizard has each from."""
+
+    @property
+    def slots_took_us(self) -> int:
+        """How long that took."""
+
+
+def given_values(
+    request: GivingRequest, tells: tuple[str, ...], *, by_program: bool
+) -> GivenValues:
+    """What a request brings along, which may tell `tells`."""
+    if not request.slots:
+        return NOTHING_GIVEN
+    told = dict.fromkeys(request.slots, tells) if tells else {}
+    return GivenValues(request.slots, request.slot_sources, told, request.slots_took_us, by_program)
 
 
 class ComposedCall(Protocol):
@@ -66,7 +111,7 @@ def utterances(
 ) -> dict[str, list[Mapping[str, Json]]]:
     """What will be said, by driver, each once, in the file's order: the arguments of `say`.
 
-    Those with a variable that has no value yet are left out.
+    Those with a variable that has no value yet, and of which the file offers none, are left out.
     """
     found: dict[str, dict[str, Mapping[str, Json]]] = {}
     verbs = {
@@ -79,8 +124,9 @@ def utterances(
     for action in (*actions, *experiment.beside_panels):
         for call in action.calls:
             for written in _written(call, TEXT, values) if call.verb == SAY else ():
-                if said := _filled({**call.args, TEXT: written}, values):
-                    found.setdefault(call.driver, {})[repr(sorted(said.items()))] = said
+                for likely in _likely(written, values):
+                    if said := _filled({**call.args, TEXT: written}, likely):
+                        found.setdefault(call.driver, {})[repr(sorted(said.items()))] = said
             for file in _written(call, FILE, values) if call.driver in composers() else ():
                 for part in calls_of(call.driver, str(file)):
                     if part.verb == SAY:
@@ -94,9 +140,27 @@ def utterances(
 
 
 def _written(call: Call, name: str, values: VariableValues) -> Iterable[Json]:
-    """What an argument may be in this condition, with the variables still in place."""
+    """What an argument may be in this condition, with the variables still in place. By whom it is
+    chosen that may still change.
+    """
     choice = call.choices.get(name)
-    return choice.of(values.get("condition", "")) if choice else (call.args.get(name),)
+    if choice is None:
+        return (call.args.get(name),)
+    return choice.every if choice.by else choice.of(values)
+
+
+def _likely(text: Json, values: VariableValues) -> Iterator[VariableValues]:
+    """The values with which a text may be said: those of each variable that has none yet, as far as
+    the file offers any.
+    """
+    open_ = [
+        name
+        for name in dict.fromkeys(names(text) if isinstance(text, str) else ())
+        if not values.get(name) and values.offers.get(name)
+    ]
+    every = itertools.product(*(values.offers[name] for name in open_))
+    for chosen in itertools.islice(every, MOST_LIKELY):
+        yield values.joined(VariableValues(dict(zip(open_, chosen, strict=True))))
 
 
 def _filled(args: dict[str, Json], values: VariableValues) -> Mapping[str, Json]:
@@ -112,7 +176,7 @@ def missing_value_error(missing: MissingValueError) -> RequestError:
     """The refusal of a line whose variable has no value, with where the value comes from."""
     if not missing.variable:
         return RequestError(str(missing))
-    if missing.variable == VISITOR:
+    if missing.variable in OF_VISITOR:
         return RequestError(
             str(missing),
             "enter who the visitor is, or wait for face recognition or a handshake",
@@ -123,10 +187,11 @@ def missing_value_error(missing: MissingValueError) -> RequestError:
 
 #: Actions in one line of the log, which may have 1 MiB.
 AT_ONCE = 100
-#: The variables on which a text may depend and that change during a session.
-_MOVING = ("participant", "condition", "trial", VISITOR)
-#: After these they may have changed.
+#: After these the values of variables may have changed.
 _CHANGES = (m.SessionChanged, m.VisitorChanged, m.EngagementChanged, m.EngagementShown)
+
+#: Sentences that one text with offered values is prepared as, at the most.
+MOST_LIKELY = 32
 
 Steps = list[tuple[Call, ...] | float]
 
@@ -183,26 +248,34 @@ class ActionTexts:
         self._played: Counter[tuple[str, Sequence[str]]] = Counter()
         #: What was played last, and the variants that it has used.
         self._last: tuple[Action, set[tuple[str, Sequence[str]]]] | None = None
+        #: What came with the last request for each action.
+        self._given: dict[str, GivenValues] = {}
         self._participant = ""
-        self._published: list[str | None] | None = None
+        self._published: Mapping[str, str] | None = None
         hub.listen(self._on_message, *_CHANGES)
 
-    def play(self, action: Action) -> Steps:
+    def play(self, action: Action, given: GivenValues = NOTHING_GIVEN) -> Steps:
         """The steps of an action that is played now; its variants move on.
 
         Raises `MissingValueError` before anything has changed.
         """
         used: set[tuple[str, Sequence[str]]] = set()
-        steps = self._steps(action, self._values(), used)
+        steps = self._steps(action, self._values_with(given), used)
+        self._given[action.name] = given
         self._last = action, used
         self._played.update(used)
         self._tell_next(action)
         return steps
 
+    def _values_with(self, given: GivenValues) -> VariableValues:
+        """The variables' present values, and those that came with a request."""
+        return self._values().joined(VariableValues(given.values, tells=given.tells))
+
     def edited(self, action: Action, text: str, tells: Sequence[str]) -> Action:
         """`action` with `text` in place of the first sentence that it says. Raises `RequestError`.
 
-        Where the sentence depends on the condition, or the text tells it, it is kept as that was.
+        Where the sentence depends on the condition or on who is there, or the text tells it, it is
+        kept as that was.
         """
         said = next((call for call in action.calls if call.verb == SAY), None)
         if said is None:
@@ -210,10 +283,13 @@ class ActionTexts:
         choice = said.choices.get(TEXT)
         depends = "condition" in tells or (choice is not None and choice.depends)
         condition = self._values().get("condition", "") if depends else ""
-        choices = {**said.choices, TEXT: TextVariants({condition: (text,)})}
-        anew = replace(said, choices=choices)
+        anew = TextVariants({condition: (text,)})
+        if choice is not None and choice.by and not condition:
+            anew = TextVariants({ELSE: (text,)}, choice.by)
+        choices = {**said.choices, TEXT: anew}
+        edited = replace(said, choices=choices)
         steps = [
-            replace(step, calls=tuple(anew if call is said else call for call in step.calls))
+            replace(step, calls=tuple(edited if call is said else call for call in step.calls))
             if isinstance(step, ParallelCalls)
             else step
             for step in action.steps
@@ -252,20 +328,20 @@ class ActionTexts:
 
     def other(self, action: Action, said: m.Command) -> Steps | None:
         """The step of `action` that said this, in its next wording; None if it has only one."""
-        values = self._values()
+        given = self._given.get(action.name, NOTHING_GIVEN)
+        values = self._values_with(given)
         for call in action.calls:
             choice = call.choices.get("text")
-            texts = choice.of(values.get("condition", "")) if choice is not None else ()
+            texts = choice.of(values) if choice is not None else ()
             if call.driver != said.driver or call.verb != said.verb or len(texts) < 2:
                 continue
             if said.args["text"] in [_spoken(call, values, text) for text in texts]:
-                return self.play(replace(action, steps=(ParallelCalls((call,)),)))
+                return self.play(replace(action, steps=(ParallelCalls((call,)),)), given)
         return None
 
     def publish_all(self) -> None:
         """Publish what every action would say now."""
-        values = self._values()
-        self._published = [values.get(name) for name in _MOVING]
+        self._published = {**self._values()}
         experiment = self._experiment()
         actions = [action for panel in experiment.panels for action in panel.actions]
         actions += experiment.beside_panels
@@ -273,10 +349,12 @@ class ActionTexts:
             self._publish(actions[first : first + AT_ONCE])
 
     def _on_message(self, message: m.Message) -> None:
-        if self._published is not None:
-            values = self._values()
-            if self._published != [values.get(name) for name in _MOVING]:
-                self.publish_all()
+        self.publish_changed()
+
+    def publish_changed(self) -> None:
+        """Publish it again if a variable has another value than before."""
+        if self._published is not None and self._published != {**self._values()}:
+            self.publish_all()
 
     def _publish(self, actions: Iterable[Action]) -> None:
         values = self._values().to_show()

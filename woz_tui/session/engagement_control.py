@@ -23,7 +23,7 @@ from woz_tui.config.engagement_json import settings_to_json
 from woz_tui.config.experiment import Engagement
 from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.config.session_verbs import engagement_verbs
-from woz_tui.config.utterance_template import VISITOR
+from woz_tui.config.utterance_template import OF_VISITOR
 from woz_tui.drivers.contract import Job, Performer, RejectedError, Scope, Verb
 from woz_tui.protocol import messages as m
 from woz_tui.sensing import engagement_commands
@@ -122,9 +122,15 @@ class EngagementController(Performer):
             await model.visitors.finish()
 
     def values(self) -> dict[str, str]:
-        """Variables for utterances: `{visitor}`, empty while nobody is known."""
-        model = self._model
-        return {VISITOR: model.visitors.name(model.follower.model.visitor)} if model else {}
+        """Variables for utterances: `{visitor}`, empty while nobody is known, and what is known of
+        them.
+        """
+        if (model := self._model) is None:
+            return {}
+        label = model.follower.model.visitor
+        known = model.visitors.visitors.called(label) if label else None
+        of_them = (known.age_group, known.address) if known is not None else ("", "")
+        return dict(zip(OF_VISITOR, (model.visitors.name(label), *of_them), strict=True))
 
     # -- a performer on the bus --------------------------------------------------------------------
 

@@ -21,7 +21,7 @@ from msgspec.structs import fields, replace
 
 from woz_tui.config.engagement_words import STATES
 from woz_tui.config.study_words import BLURRED, PERCEIVED
-from woz_tui.config.utterance_template import VISITOR
+from woz_tui.config.utterance_template import OF_VISITOR
 from woz_tui.feature import features, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -62,7 +62,7 @@ NAMES = frozenset(
     (
         *("ts", "driver", "source", "console", "key", "level", "code", "outcome", "sort", "block"),
         *("run", "action", "panel", "command", "verb", "when_busy", "by", "original_command"),
-        *("sha256", "evidence"),
+        *("sha256", "evidence", "slot", "keep", "participant"),
     )
 )
 #: What the ear finds out.
@@ -253,7 +253,7 @@ class Redactor:
         """Without what depends on the condition, or on who stands there."""
         seen = dict(values)
         if self.perception.hides("identity"):
-            seen.pop(VISITOR, None)
+            seen = {name: text for name, text in seen.items() if name not in OF_VISITOR}
         if self.blind:
             seen = {name: text for name, text in seen.items() if name not in study.by_condition}
             if "condition" in seen:

@@ -37,7 +37,14 @@ from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.protocol.requesters import WIZARD
 from woz_tui.session.action_runner import ActionRunner, LastAct
-from woz_tui.session.action_texts import ActionTexts, ComposedCall, missing_value_error, utterances
+from woz_tui.session.action_texts import (
+    NOTHING_GIVEN,
+    ActionTexts,
+    ComposedCall,
+    GivenValues,
+    missing_value_error,
+    utterances,
+)
 from woz_tui.session.driver_context import OnCompletion
 from woz_tui.session.driver_faults import DriverFaults
 from woz_tui.session.driver_manager import DriverManager, make_drivers, motionless
@@ -252,10 +259,20 @@ class Session:
         """The folders with the logs of earlier sessions and with that of this one."""
         return self.recorder.folder, self.recorder.path.parent
 
-    def values(self) -> VariableValues:
-        """The variables' present values."""
+    def own_values(self) -> VariableValues:
+        """The variables' present values, without those that features bring along."""
         own = {**self.experiment.variables, **self.identity.values(), **self.engagement.values()}
         return with_condition(own, self.experiment.by_condition, self.identity.condition)
+
+    def values(self) -> VariableValues:
+        """The variables' present values."""
+        return self.own_values().joined(self.features.values())
+
+    def values_changed(self) -> None:
+        """Variables of a feature have other values than before."""
+        if not self.ended:
+            self.texts.publish_changed()
+            self._prepare()
 
     def play(
         self,
@@ -267,16 +284,19 @@ class Session:
         *,
         text: str = "",
         tells: tuple[str, ...] = (),
+        given: GivenValues = NOTHING_GIVEN,
     ) -> str:
         """Play the action `name`; its run id. Raises `RequestError`; the refusal is in the log too.
 
         `stale`: why the press is too old to be played (empty: it is not). `at`: when it is to
         begin, on the axis of `t`; 0: now. `text` is said in place of its first sentence, and tells
-        `tells`.
+        `tells`. `given`: values of variables that came with the request.
         """
+        if given.values:
+            given = self.features.check_given(name, given)
         action = self.experiment.action(name)
         beside = action in self.experiment.beside_panels
-        question = PlayAction(name, action, origin, stale, at, beside)
+        question = PlayAction(name, action, origin, stale, at, beside, given=given.values)
         if action and origin.source == "key" and origin.key and not (when_busy or action.when_busy):
             question = replace(question, under_way=self._under_way(action))
         if (refusal := why_not(self.facts(), question)) is not None:
@@ -291,11 +311,11 @@ class Session:
         assert action is not None
         if not action.steps and beside:
             return self.features.play(action, origin, when_busy, at)
-        again = partial(self._no_action, name, origin)
+        again = partial(self._no_action, name, origin, given.values)
         if text:
             action = self.texts.edited(action, text, tells)
         run, refused = self.runner.play(
-            action, origin, when_busy, at=at, again=again, edited=bool(text)
+            action, origin, when_busy, at=at, again=again, edited=bool(text), given=given
         )
         self.features.after_play()
         if refused is not None:
@@ -314,11 +334,14 @@ class Session:
             return ""
         return "waits" if found[1] else "is running"
 
-    def _no_action(self, name: str, origin: RequestOrigin) -> Refusal | None:
+    def _no_action(
+        self, name: str, origin: RequestOrigin, given: Collection[str]
+    ) -> Refusal | None:
         """Why this hand may not play it at the moment; None: it may."""
         action = self.experiment.action(name)
         beside = action in self.experiment.beside_panels
-        return why_not(self.facts(), PlayAction(name, action, origin, beside_panels=beside))
+        question = PlayAction(name, action, origin, beside_panels=beside, given=given)
+        return why_not(self.facts(), question)
 
     def facts(self) -> Facts:
         """What holds now, for the gate."""

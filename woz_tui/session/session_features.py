@@ -25,8 +25,14 @@ from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.protocol.requests import Request
 from woz_tui.session.action_runner import ActionRunner
-from woz_tui.session.action_texts import ActionTexts, ComposedCall
+from woz_tui.session.action_texts import (
+    NOTHING_GIVEN,
+    ActionTexts,
+    ComposedCall,
+    GivenValues,
+)
 from woz_tui.session.participant_identity import SessionIdentity
+from woz_tui.session.variables import VariableValues
 from woz_tui.timeline.episodes import Episode
 from woz_tui.timeline.feature_history import Owed
 from woz_tui.timeline.session_state import SessionState
@@ -87,11 +93,12 @@ class FeatureSession(Protocol):
         stale: str = "",
         text: str = "",
         tells: tuple[str, ...] = (),
+        given: GivenValues = NOTHING_GIVEN,
     ) -> str:
         """Play the action `name`; its run id. Raises `RequestError`; the refusal is in the log.
 
         `stale`: why the press is too old to be played. `text` is said in place of its first
-        sentence, and tells `tells`.
+        sentence, and tells `tells`. `given`: values of variables that came with the request.
         """
 
     def follow(self, kind: type[Episode], call: Callable[[Any], object]) -> None:
@@ -115,6 +122,9 @@ class FeatureSession(Protocol):
 
     def set_lock(self, panel: str, locked: bool, source: str) -> None:
         """Lock or unlock a panel; `source`: what does, where no hand does."""
+
+    def values_changed(self) -> None:
+        """Variables of a feature have other values than before."""
 
 
 class SessionFeature:
@@ -217,6 +227,19 @@ class SessionFeature:
     def drop(self, run: str) -> None:
         """What it holds as `run`, if anything, has been ended."""
 
+    def values(self) -> VariableValues:
+        """Values of the variables of its section (`FeatureSection.variables`)."""
+        return VariableValues({})
+
+    def check_given(self, action: str, given: GivenValues) -> GivenValues:
+        """Values of its variables that came with a request for an action, as they are said. Raises
+        `RequestError`.
+        """
+        return given
+
+    def filled(self, run: str, action: Action, given: GivenValues) -> None:
+        """The texts of an action were filled in for this run, which is about to begin."""
+
     def front(self) -> Collection[str]:
         """Panels whose action is meant where several have the same key."""
         return ()
@@ -266,6 +289,7 @@ _FAILED = "\0"
 _HOOKS = (
     *("begin", "prepare", "close", "play", "after_play", "adopt", "hold", "drop", "begin_anew"),
     *("allow_next", "tell_owed", "front", "fact", "findings", "companion"),
+    *("values", "check_given", "filled"),
 )
 
 
@@ -448,6 +472,24 @@ class SessionFeatures:
         """What is held as `run`, if anything is, has been ended."""
         for name, feature in [*self._with["drop"].items()]:
             self._safely(name, feature.drop, None, run)
+
+    def values(self) -> VariableValues:
+        """Values of the variables that they bring along."""
+        found = VariableValues({})
+        for name, feature in [*self._with["values"].items()]:
+            found = found.joined(self._safely(name, feature.values, VariableValues({})))
+        return found
+
+    def check_given(self, action: str, given: GivenValues) -> GivenValues:
+        """Values that came with a request, as they are said. Raises `RequestError`."""
+        for name, feature in [*self._with["check_given"].items()]:
+            given = self._answer(name, feature.check_given, given, action, given)
+        return given
+
+    def filled(self, run: str, action: Action, given: GivenValues) -> None:
+        """The texts of an action were filled in for this run."""
+        for name, feature in [*self._with["filled"].items()]:
+            self._safely(name, feature.filled, None, run, action, given)
 
     def front(self) -> set[str]:
         """Panels whose action is meant where several have the same key."""

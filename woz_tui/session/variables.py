@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from woz_tui.config.experiment import Call, TextVariants
-from woz_tui.config.utterance_template import HIDDEN_TEXT, VISITOR, fill, names
+from woz_tui.config.utterance_template import HIDDEN_TEXT, OF_VISITOR, fill, names
 from woz_tui.protocol.messages import Json
 
 #: Chooses one of the variants.
@@ -15,7 +15,7 @@ Pick = Callable[[Sequence[str]], str]
 
 class VariableValues(dict[str, str]):
     """Values by name; `why` says of some that have none what they wait for, `tells` what some of
-    them tell (see `messages.RestrictedMessage`).
+    them tell (see `messages.RestrictedMessage`), `offers` what some of them are likely to be.
     """
 
     def __init__(
@@ -23,18 +23,30 @@ class VariableValues(dict[str, str]):
         values: Mapping[str, str],
         why: Mapping[str, str] = {},
         tells: Mapping[str, tuple[str, ...]] = {},
+        offers: Mapping[str, Sequence[str]] = {},
         *,
         shown: bool = False,
     ) -> None:
         super().__init__(values)
         self.why = why
         self.tells = tells
+        self.offers = offers
         #: Whether a variable without a value stays as it is written: nothing is played yet.
         self.shown = shown
 
     def to_show(self) -> VariableValues:
         """The same, for texts that are shown before they are played."""
-        return VariableValues(self, self.why, self.tells, shown=True)
+        return VariableValues(self, self.why, self.tells, self.offers, shown=True)
+
+    def joined(self, more: VariableValues) -> VariableValues:
+        """The same with more of them; `more` goes before what stands here."""
+        return VariableValues(
+            {**self, **more},
+            {**self.why, **more.why},
+            {**self.tells, **more.tells},
+            {**self.offers, **more.offers},
+            shown=self.shown,
+        )
 
 
 class MissingValueError(ValueError):
@@ -78,8 +90,9 @@ def filled_call(call: Call, values: VariableValues, pick: Pick = lambda texts: t
 
     seen = {name: _fill(value, left) for name, value in written.items()}
     for name, choice in call.choices.items():
-        if choice.depends:
-            found.update(("condition", *_tells(choice, values)))
+        if choice.depends or values.tells.get(choice.by):
+            found.update(("condition",) if choice.depends else values.tells[choice.by])
+            found.update(_tells(choice, values))
             seen[name] = HIDDEN_TEXT
     unfilled = {name: value for name, value in seen.items() if value != args[name]}
     chosen = replace(call, args=args, tells=tuple(sorted(found)), unfilled=unfilled)
@@ -91,14 +104,13 @@ def _chosen(
 ) -> dict[str, Json]:
     found: dict[str, Json] = {}
     for name, choice in choices.items():
-        condition = values.get("condition", "")
-        texts = choice.of(condition)
+        texts = choice.of(values)
         if texts:
             found[name] = pick(texts)
         elif values.shown:
             found[name] = HIDDEN_TEXT
         else:
-            raise MissingValueError(f"its {name} {waiting(condition)}")
+            raise MissingValueError(f"its {name} {waiting(values.get('condition', ''))}")
     return found
 
 
@@ -132,9 +144,9 @@ def with_condition(
     """`values`, and the variables that depend on the condition: their `texts` by condition."""
     now, why = by_condition(texts, condition, values)
     tells: dict[str, tuple[str, ...]]
-    tells = {"condition": ("condition",), VISITOR: ("identity",)}
+    tells = {"condition": ("condition",), **dict.fromkeys(OF_VISITOR, ("identity",))}
     for name, found in texts.items():
-        whose = any(VISITOR in names(text) for text in found.values())
+        whose = any(name in OF_VISITOR for text in found.values() for name in names(text))
         tells[name] = ("condition", "identity") if whose else ("condition",)
     return VariableValues({**now, **values}, why, tells)
 

@@ -22,6 +22,7 @@ from woz_tui.gate.table import another_plays_action
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import SPEAKING_VERBS
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.session.action_texts import NOTHING_GIVEN, GivenValues, given_values
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 from woz_tui.timeline.episodes import (
     ActionEpisode,
@@ -158,19 +159,25 @@ class ScriptController(SessionFeature):
             return ""
         source = "script" if client.role == "wizard" else "program"
         origin = RequestOrigin(source, request.key, client.console)
-        return self.play_next(origin, client.stale, request.text.strip(), client.tells)
+        given = given_values(request, client.tells, by_program=client.role != "wizard")
+        return self.play_next(origin, client.stale, request.text.strip(), client.tells, given)
 
     def carry_out_ask(self, ask: Ask, origin: RequestOrigin, stale: str) -> None:
         self.play_next(origin, stale)
 
     def play_next(
-        self, origin: RequestOrigin, stale: str = "", text: str = "", tells: tuple[str, ...] = ()
+        self,
+        origin: RequestOrigin,
+        stale: str = "",
+        text: str = "",
+        tells: tuple[str, ...] = (),
+        given: GivenValues = NOTHING_GIVEN,
     ) -> str:
-        """Play the next line and move on; its run id. `stale`, `text` and `tells` as for
+        """Play the next line and move on; its run id. `stale`, `text`, `tells` and `given` as for
         `Session.play`.
         """
         line = self._next_line()
-        run = self.session.play(line, origin, stale=stale, text=text, tells=tells)
+        run = self.session.play(line, origin, stale=stale, text=text, tells=tells, given=given)
         self.by_script.add(run)
         return run
 

@@ -29,7 +29,7 @@ class AskScript(Request, frozen=True, kw_only=True, tag="script"):
     so many lines from where it stands then (`by`; below 0: back). `text` is said in place of the
     line's first sentence, this once.
 
-    `key`, `age_us` and `stale` as for an action.
+    `key`, `age_us`, `stale`, `slots`, `slot_sources` and `slots_took_us` as for an action.
     """
 
     aged = True
@@ -41,6 +41,9 @@ class AskScript(Request, frozen=True, kw_only=True, tag="script"):
     key: str = ""
     age_us: int = 0
     stale: bool = False
+    slots: dict[str, str] = {}
+    slot_sources: dict[str, str] = {}
+    slots_took_us: int = 0
 
 
 KINDS = FeatureKinds(messages=(ScriptMoved,), requests=(AskScript,), open=(ScriptMoved,))

@@ -1,0 +1,49 @@
+"""What is not played because a slot of it is empty."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from woz_tui.gate.facts import Facts
+from woz_tui.gate.questions import PlayAction
+from woz_tui.gate.table import FeatureGate, FeatureRow, Row
+from woz_tui.protocol.refusal import Refusal
+
+
+@dataclass(frozen=True, slots=True)
+class SlotFact:
+    """Slots of each action that has any, and those that have a value."""
+
+    of: Mapping[str, Sequence[str]]
+    kept: Collection[str]
+
+
+def unfilled(facts: Facts, asked: PlayAction) -> Refusal | None:
+    """A sentence is not said with a gap in it."""
+    fact = facts.features["slots"]
+    assert isinstance(fact, SlotFact)
+    lacking = [
+        name
+        for name in fact.of.get(asked.name, ())
+        if name not in fact.kept and name not in asked.given
+    ]
+    return needs(lacking)
+
+
+def needs(slots: Sequence[str]) -> Refusal | None:
+    """What is said where these are empty."""
+    if not slots:
+        return None
+    words = ", ".join(f"{{{name}}}" for name in slots)
+    return Refusal(
+        "slot",
+        f"{words} is not filled in",
+        "play it by its key at a wizard's console; a program says what stands there (slots)",
+        needs=tuple(slots),
+    )
+
+
+GATE = FeatureGate(
+    rows=(FeatureRow(Row("slot", (PlayAction,), unfilled, host=True)),),
+)

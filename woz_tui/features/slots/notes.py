@@ -1,0 +1,39 @@
+"""Words that can be put into a slot: those of what the visitor said last."""
+
+from __future__ import annotations
+
+from woz_tui.console.state.feature_notes import FeatureNotes, StudyNews
+from woz_tui.features.slots.slot_value import tidied
+from woz_tui.protocol import messages as m
+from woz_tui.timeline.session_state import SessionState
+
+
+class HeardWords(FeatureNotes):
+    """The last text that is not the robot's own."""
+
+    hears = (m.SpeechText,)
+
+    def __init__(self, session: SessionState) -> None:
+        super().__init__(session)
+        self.words: tuple[str, ...] = ()
+
+    def apply(self, message: m.SpeechText) -> StudyNews | None:
+        """What is kept from the wizard comes without letters."""
+        if message.text and not message.own:
+            self.words = words_of(message.text)
+        return None
+
+
+def words_of(text: str) -> tuple[str, ...]:
+    """Words without what stands around them, the longest first: it is seldom the article."""
+    words = (each.strip(".,;:!?\"'()[]{}…¿¡„“”«»") for each in tidied_words(text))
+    return tuple(sorted(dict.fromkeys(filter(_has_letters, words)), key=len, reverse=True))
+
+
+def tidied_words(text: str) -> list[str]:
+    """Each word as it can stand in a slot."""
+    return [tidied(word) for word in text.split()]
+
+
+def _has_letters(word: str) -> bool:
+    return any(sign.isalnum() for sign in word)

@@ -369,6 +369,7 @@ MESSAGES: tuple[m.Message, ...] = (
         first_us=900_000,
     ),
     *feature_examples("lsl", "MESSAGES"),
+    *feature_examples("slots", "MESSAGES"),
 )
 
 _PANELS = [
@@ -465,6 +466,7 @@ REQUESTS: tuple[r.Request, ...] = (
     r.AskTalk(ref=42, driver="voice", rate=16_000, data="AQIDBA==", age_us=21_000, lost_s=0.2),
     r.AskUnrecorded(ref=45),
     *feature_examples("lsl", "REQUESTS"),
+    *feature_examples("slots", "REQUESTS"),
 )
 
 
@@ -532,6 +534,7 @@ def answers() -> list[Answer]:
             run="c00018",
             ended="command.refused",
         ),
+        r.Reply(ref=19, ok=False, reason="{colour} is not filled in", needs=["colour"]),
         r.Pulse(t=2_000_000),
         r.Pulse(t=3_000_000, dropped=40),
         r.Pulse(t=3_000_000, rate=0.0),
@@ -567,6 +570,7 @@ def answers() -> list[Answer]:
             allows={"child": s.Allowance(panels=["Speech"], hide=True)},
             engagement=s.ModelLimits({"listening": 60.0}, handshake=60.0, attempts=3),
             phases=[PhaseView(name="whales", panels=["Speech"], after=["opening"], planned=120.0)],
+            slots={"colour": s.SlotView(["red", "blue"], heard=True, keep="participant")},
             sensors=["engagement", "distance"],
             study=s.StudySettings(design=s.DesignView("latin-square", within=True, trials=3)),
         ),

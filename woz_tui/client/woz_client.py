@@ -273,20 +273,36 @@ class WozClient:
         request = r.AskVerb(verb=verb, args=call, on=driver, when_busy=when_busy, at=moment)
         return await self._begin(request, any(view.arrives for view in self._views(verb, driver)))
 
-    async def press(self, action: str, *, when_busy: Busy = "", at: float = 0.0) -> m.ActionDone:
+    async def press(
+        self,
+        action: str,
+        *,
+        when_busy: Busy = "",
+        at: float = 0.0,
+        slots: Mapping[str, str] | None = None,
+    ) -> m.ActionDone:
         """Play an action of the experiment, by its name, its label or its key, to its end.
 
-        `when_busy` and `at` as for `perform`, which raises the same errors.
+        `when_busy` and `at` as for `perform`, which raises the same errors. `slots`: what stands in
+        the slots of its sentences.
         """
-        run = await self.begin_action(action, when_busy=when_busy, at=at)
+        run = await self.begin_action(action, when_busy=when_busy, at=at, slots=slots)
         end = await self._to_its_end(run)
         assert isinstance(end, m.ActionDone)
         return end
 
-    async def begin_action(self, action: str, *, when_busy: Busy = "", at: float = 0.0) -> WozRun:
+    async def begin_action(
+        self,
+        action: str,
+        *,
+        when_busy: Busy = "",
+        at: float = 0.0,
+        slots: Mapping[str, str] | None = None,
+    ) -> WozRun:
         """As `press`, but returns as soon as it is accepted."""
         name, moment = self._action(action), round(at * 1e6)
-        request = r.AskAction(action=name, when_busy=when_busy, at=moment)
+        given = dict(slots or {})
+        request = r.AskAction(action=name, when_busy=when_busy, at=moment, slots=given)
         return await self._begin(request, arrives=False)
 
     def __getattr__(self, verb: str) -> Callable[..., Coroutine[Any, Any, m.Done]]:

@@ -6,6 +6,7 @@ import functools
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 from rich.console import RenderableType
@@ -31,7 +32,14 @@ from woz_tui.console.screens.dialog import ConsoleCommand, Dialog
 from woz_tui.console.state.event_sentences import EventLine
 from woz_tui.console.state.feature_notes import StudyNews
 from woz_tui.console.state.remedy_text import remedy_text
-from woz_tui.console.widgets.bottom_rows import BarInfo, News, order_keys
+from woz_tui.console.widgets.bottom_rows import (
+    BarInfo,
+    News,
+    asked_words,
+    asks_again,
+    order_keys,
+    upcoming,
+)
 from woz_tui.console.widgets.event_list import act_text
 from woz_tui.console.widgets.feature_console import FeatureConsole, NextStep
 from woz_tui.console.widgets.main_screen import MainScreen
@@ -48,7 +56,7 @@ from woz_tui.protocol.messages import (
     StopPressed,
     StopReleased,
 )
-from woz_tui.protocol.requests import Reply, Welcome
+from woz_tui.protocol.requests import AskAction, Reply, Welcome
 
 if TYPE_CHECKING:
     from woz_tui.console.camera.picture_terminal import PictureTerminal
@@ -204,6 +212,19 @@ class Console(ScreenApp):
         if self.state.edition != self._edition:
             self._edition = self.state.edition
             self._adopt()
+        self._ask_first()
+
+    @property
+    def _plays(self) -> bool:
+        """Whether keys of this console play."""
+        return self.state.role == "wizard"
+
+    def _ask_first(self) -> None:
+        """Keys behind which something is asked before they play."""
+        asked = {name: name for name in asked_words(self.state)} if self._plays else {}
+        if asked and (name := upcoming(self.state)) in asked:
+            asked[order_keys()[0]] = name
+        self.keyboard.asks_first = asked
 
     def _work_in(self, batch: list[Incoming], local: int) -> None:
         self.state.apply(batch, local)
@@ -552,9 +573,16 @@ class Console(ScreenApp):
         if dialog is not None and (not dialog.plays or name == "leave" or chord in dialog.own_keys):
             return self._key_in_dialog(name)
         self._end_peek()
-        if self.keyboard.press(chord, age_us=_age_us(event)):
-            return True
-        if name is None:
+        asked = self.keyboard.take_asked_first(chord)
+        if asked is None:
+            if self.keyboard.press(chord, age_us=_age_us(event)):
+                return True
+            asked = self.keyboard.take_asked_first(chord)
+        if asked is not None:
+            self._forget_news()
+            action = self.keyboard.asks_first.get(asked.what, asked.what)
+            self.ask_words(action, asked.keys, of_order=asked.what != action)
+        elif name is None:
             self.news(f"{key_name(chord, self.look.glyphs)} is not assigned")
         elif dialog is not None and dialog.opened_by == self.commands[name].name:
             self.close_dialog()
@@ -562,6 +590,21 @@ class Console(ScreenApp):
             self._forget_news()
             self.do(name)
         return True
+
+    def ask_words(self, action: str, keys: str, *, of_order: bool = False) -> None:
+        """Ask for what an action lacks, or anew for what it has, and then play it. What could not
+        be played is asked for at once: who answers a question in vain has lost time.
+        """
+        state = self.state
+        panel = next((e for e in state.panels for a in e.actions if a.name == action), None)
+        view = state.action(action)
+        refused = panel and view and state.why_not(panel, view)
+        asks = asked_words(state).get(action) or asks_again(state, action)
+        if asks is None or refused or state.session.stop is not None or state.lost:
+            source = "key" if keys else "palette"
+            self.requests.ask(AskAction(action=action, source=source, key=keys))
+        else:
+            self.open_dialog(resolve_name(asks.dialog)(action, keys, of_order=of_order))
 
     def do(self, name: str) -> None:
         """Carry out a command by the id of one of its keys.

@@ -70,6 +70,18 @@ class KeyPress(NamedTuple):
         }
 
 
+class AskedFirst(NamedTuple):
+    """A press behind which something is asked before anything is played.
+
+    `chord` as it was pressed; `keys`: all of it (`c r`); `what`: the action, or the id of the
+    console's own key.
+    """
+
+    chord: str
+    keys: str
+    what: str
+
+
 @dataclass(frozen=True, slots=True)
 class ConsoleKey:
     """A key of the console itself, as the keyboard needs it.
@@ -135,6 +147,10 @@ class Keyboard:
         #: Keys drive only while they are held: a terminal that can is to say when one is let go.
         self.on_holds: Callable[[bool], None] = lambda holds: None
         self._holds = False
+        #: Actions, and own keys by id, that the screen asks something about before they are
+        #: played, with the action that this is about.
+        self.asks_first: Mapping[str, str] = {}
+        self._asked_first: AskedFirst | None = None
         #: What the key for suspending does; set by the terminal.
         self.on_suspend: Callable[[], None] | None = None
         self._clock = clock or RealClock()
@@ -270,6 +286,7 @@ class Keyboard:
         own = self._own.get(chord)
         with self._lock:
             asks = chord in self.kept or (own is not None and own.opens)
+            asks = asks or (self._asked_first is not None and self._asked_first.chord == chord)
             opens = self._free and asks
             waited_for = int(opens or self._behind > 0)
             self._left += 1
@@ -305,12 +322,21 @@ class Keyboard:
             return True
         for keys in (f"{self._take_prefix()} {chord}".lstrip(), chord):
             if (action := self._table.get(keys)) is not None:
+                if action in self.asks_first and not stale:
+                    self._asked_first = AskedFirst(chord, keys, action)
+                    return False
                 self._play(keys, action, age_us, stale, at_us)
                 return True
         if chord in self._prefixes:
             self._begin(chord, stale)
             return True
         return self._send(chord, age_us, stale, at_us)
+
+    def take_asked_first(self, chord: str) -> AskedFirst | None:
+        """Whether something is to be asked before this key plays; it is told once."""
+        with self._lock:
+            asked, self._asked_first = self._asked_first, None
+        return asked if asked is not None and asked.chord == chord else None
 
     def _note(self, chord: str, *, free: bool) -> bool:
         """A key came; whether it may be the one before, held."""
@@ -338,6 +364,7 @@ class Keyboard:
             self._stops += 1
             self._void += self._left
             self._left = self._behind = 0
+            self._asked_first = None
         self._set_prefix("")
         if source in STOPS:
             self.on_pressed(source, "", ref)
@@ -383,6 +410,9 @@ class Keyboard:
     def _send(self, chord: str, age_us: int, stale: bool, at_us: int) -> bool:
         own = self._own.get(chord)
         if own is None or own.sends is None:
+            return False
+        if own.name in self.asks_first and not stale:
+            self._asked_first = AskedFirst(chord, chord, own.name)
             return False
         offering = [name for name, offered in self.verbs.items() if own.verb in offered]
         if own.verb and len(offering) != 1:

@@ -117,6 +117,11 @@ class ConsoleApp(Protocol):
     def do(self, name: str) -> None:
         """Carry out a command."""
 
+    def ask_words(self, action: str, keys: str, *, of_order: bool = False) -> None:
+        """Ask for what an action lacks, or anew for what it has, and then play it. `keys`: those
+        that were pressed; `of_order`: they play what comes next in the order of actions.
+        """
+
     def key_of(self, name: str) -> str:
         """The key to press for a command; empty: it has none."""
 

@@ -19,7 +19,7 @@ from woz_tui.console.screens.choice import ConfirmDialog, SearchDialog
 from woz_tui.console.screens.engagement_questions import steer
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.wizard_overrides import OVERRIDES, is_offered
-from woz_tui.console.widgets.bottom_rows import quoted
+from woz_tui.console.widgets.bottom_rows import asked_words, quoted
 from woz_tui.console.widgets.feature_console import FeatureConsole
 from woz_tui.feature import answers_of, pieces
 from woz_tui.protocol.messages import Json
@@ -147,11 +147,14 @@ class FindDialog(SearchDialog[SearchItem]):
             said = quoted(self.state, action.name, self.glyphs)
             where = panel.title if not action.help else f"{panel.title}: {action.help}"
             request = AskAction(action=action.name, source="palette")
+            do: Callable[[], None] = functools.partial(self.requests.ask, request)
+            if action.name in asked_words(self.state):
+                do = functools.partial(self.console_app.ask_words, action.name, "")
             yield SearchItem(
                 action.label,
                 caption(cap, self.glyphs),
                 f"{said}  {where}".lstrip(),
-                functools.partial(self.requests.ask, request),
+                do,
                 " ".join((action.label, action.help, panel.title)),
                 said,
                 acts=True,

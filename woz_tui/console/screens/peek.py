@@ -13,7 +13,13 @@ from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.drawing.key_caps import KeyCap, caption, key_name
 from woz_tui.console.input.keyboard import HELD_US
 from woz_tui.console.screens.dialog import ConsoleApp, LiveReportDialog
-from woz_tui.console.widgets.bottom_rows import KEPT, order_keys, step_words, upcoming
+from woz_tui.console.widgets.bottom_rows import (
+    KEPT,
+    asks_again,
+    order_keys,
+    step_words,
+    upcoming,
+)
 
 if TYPE_CHECKING:
     from woz_tui.config.keys.keymap import KeyMap
@@ -106,6 +112,10 @@ class PeekDialog(LiveReportDialog):
         both = f"{self._typed} {chord}"
         self._typed = both if both in keys.table else chord
         self._action = keys.table.get(self._typed, played_by(keys.builtin_table.get(chord, "")))
+        if self._action and asks_again(self.state, self._action) is not None:
+            self.leave()
+            app.ask_words(self._action, self._typed)
+            return
         if self._action:
             self.own_keys = frozenset((chord,))
             app.give_keys()

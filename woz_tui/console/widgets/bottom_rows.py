@@ -5,7 +5,7 @@ the stop.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -30,7 +30,7 @@ from woz_tui.console.link.message_feed import Loss
 from woz_tui.console.state.command_text import command_words
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.stop_confirmation import settled_row, stopped_words
-from woz_tui.console.widgets.feature_console import ActionOrder, FeatureConsole
+from woz_tui.console.widgets.feature_console import ActionOrder, AskedWords, FeatureConsole
 from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol.messages import FilledCall
 from woz_tui.protocol.panels import ActionView
@@ -160,6 +160,26 @@ def upcoming(state: ConsoleState) -> str:
     return answer_of(name, "", order.next, state)
 
 
+def asked_words(state: ConsoleState) -> dict[str, AskedWords]:
+    """Actions about which something is asked before they are played, by name, and how."""
+    nothing: Collection[str] = ()
+    return {
+        action: asks
+        for name, each in pieces("console", FeatureConsole).items()
+        if (asks := each.asks) is not None
+        for action in answer_of(name, nothing, asks.lacking, state)
+    }
+
+
+def asks_again(state: ConsoleState, action: str) -> AskedWords | None:
+    """How an action's words, which it has, are asked for anew; None: it has none of these."""
+    for name, each in pieces("console", FeatureConsole).items():
+        asks: AskedWords | None = each.asks
+        if asks is not None and answer_of(name, False, asks.again, state, action):
+            return asks
+    return None
+
+
 def order_row(state: ConsoleState, frame: PaintFrame, caps: Sequence[str] = ()) -> Row:
     """How it stands; `caps`: its keys. Empty: there is nothing in it now."""
     nothing: Row = ()
@@ -266,12 +286,20 @@ def bar_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
         what = f" {frame.glyphs.warning} Nobody plays {what}. {bar.take_over} plays it from here."
         coming = [((fit(what, frame.width), "alarm-soft"),)]
     if lines > len(coming) + 1:
-        coming += sentence_rows(state, replace(frame, height=2), upcoming(state))
+        coming += _next_sentence(state, replace(frame, height=2))
     hints = [hint_row(bar.hints, frame.width, bar.page)]
     rows = [*coming, *hints][:lines]
     if urgent:
         rows[lines - len(urgent) :] = urgent
     return rows
+
+
+def _next_sentence(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
+    """What the next action says, and what is asked for before."""
+    name = upcoming(state)
+    if (asks := asked_words(state).get(name)) is not None:
+        return asks.rows(state, frame, name)
+    return sentence_rows(state, frame, name)
 
 
 def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from woz_tui.console.drawing.cells import Row
@@ -85,6 +85,22 @@ class ActionOrder:
     next: Callable[[ConsoleState], str]
     row: Callable[[ConsoleState, PaintFrame, Sequence[str]], Row]
     rows: Callable[[ConsoleState, PaintFrame], Sequence[Row]]
+
+
+@dataclass(frozen=True, slots=True)
+class AskedWords:
+    """Something that is asked for before some actions are played.
+
+    `lacking`: these actions, now, by name. `again`: whether an action's words, which it has now,
+    can be asked for anew. `dialog`: `module:Class` of the dialog that asks and then plays, made
+    with the action's name, the keys that were pressed, and whether they play the next line of the
+    order. `rows`: how such an action's sentence stands at the bottom while it comes next.
+    """
+
+    lacking: Callable[[ConsoleState], Collection[str]]
+    again: Callable[[ConsoleState, str], bool]
+    dialog: str
+    rows: Callable[[ConsoleState, PaintFrame, str], Sequence[Row]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +199,8 @@ class FeatureConsole:
     `at_end`: what is open when the session ends, also if the trial under way were done. `cut_off`:
     what the end would cut off, in sentences. `value`: what stands behind the trial in the first
     status row. `begins`: the id of the key of what is to begin before there is a script, and what,
-    in words; without a key, why nothing is; None: as otherwise.
+    in words; without a key, why nothing is; None: as otherwise. `asks`: what it asks for
+    before actions are played.
     """
 
     commands: tuple[FeatureCommand, ...] = ()
@@ -201,6 +218,7 @@ class FeatureConsole:
     cut_off: Callable[[ConsoleState], Iterable[str]] | None = None
     value: Callable[[ConsoleState], str] | None = None
     begins: Callable[[ConsoleState], tuple[str, str] | None] | None = None
+    asks: AskedWords | None = None
 
 
 def between_trials() -> Iterator[tuple[str, BetweenTrials]]:

@@ -20,7 +20,7 @@ from woz_tui.features.slots.section import SLOTS, Slot
 from woz_tui.features.slots.slot_value import LONGEST, SlotValueError, checked_value, tidied
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.session.action_texts import GivenValues, utterances
+from woz_tui.session.action_texts import GivenValues, calls_in, utterances
 from woz_tui.session.variables import VariableValues, fill_variables
 
 
@@ -190,7 +190,7 @@ def test_other_words_have_the_same_value(tmp_path: Path) -> None:
         [command] = host.of(m.Command)
         other = texts.other(so, command)
         assert other is not None
-        [(again,)] = other
+        [again] = calls_in(other)
         assert {command.args["text"], again.args["text"]} == {"red it is.", "So, red."}
 
     hosted(file, scenario)

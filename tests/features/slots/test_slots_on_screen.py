@@ -15,6 +15,7 @@ from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS
 from woz_tui.console.input.keyboard import AskedFirst, Keyboard
 from woz_tui.features.scripts.kinds import AskScript, ScriptMoved
+from woz_tui.features.slots.dialog import SlotDialog
 from woz_tui.features.slots.kinds import SlotFilled
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -52,7 +53,7 @@ def guide(*script: str, ask: str = "Do you like {colour}?", **welcome: Any) -> r
 
 def field(pilot: ConsolePilot) -> Input:
     dialog = pilot.console.dialog
-    assert type(dialog).__name__ == "SlotDialog"
+    assert isinstance(dialog, SlotDialog)
     return dialog.query_one("#slot", Input)
 
 

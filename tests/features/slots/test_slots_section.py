@@ -15,10 +15,11 @@ SLOT = "slots: {colour: {offer: [red, blue], heard: true, keep: participant}}\n"
 def test_slots_of_a_file(tmp_path: Path) -> None:
     experiment = read_experiment(tmp_path, panel(ASK) + SLOT)
     assert SLOTS.of(experiment) == {"colour": Slot(("red", "blue"), True, "participant")}
-    assert [*SLOTS.summary(SLOTS.of(experiment))] == [
+    assert [*SLOTS.summary(experiment)] == [
         (
             "slot colour",
-            "'red', 'blue', a word that was heard, what is typed; kept for the participant",
+            "'red', 'blue', a word that was heard, what is typed; kept for the participant;"
+            " in 'Ask'",
         )
     ]
     assert not experiment.warnings

@@ -84,16 +84,19 @@ class SlotSection(FeatureSection[Slots]):
     def changes(self, old: Slots, new: Slots) -> Iterable[str]:
         return changed_entries("slot", old, new)
 
-    def summary(self, section: Slots) -> Iterable[tuple[str, str]]:
-        for name, slot in section.items():
+    def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        slots = self.of(experiment)
+        for name, slot in slots.items():
             offers = [*map(quoted, slot.offer), *(["a word that was heard"] if slot.heard else [])]
             kept = f"; kept for the {slot.keep}" if slot.is_kept else ""
-            yield f"slot {name}", f"{', '.join([*offers, 'what is typed'])}{kept}"
+            having = [each for each in experiment.actions if name in slots_of(each, slots)]
+            where = f"; in {', '.join(quoted(each.label) for each in having)}" if having else ""
+            yield f"slot {name}", f"{', '.join([*offers, 'what is typed'])}{kept}{where}"
 
-    def as_json(self, section: Slots) -> Mapping[str, Json]:
-        slots = {
+    def as_json(self, experiment: Experiment) -> Mapping[str, Json]:
+        slots: dict[str, Json] = {
             name: {"offer": [*slot.offer], "heard": slot.heard, "keep": slot.keep}
-            for name, slot in section.items()
+            for name, slot in self.of(experiment).items()
         }
         return {"slots": slots} if slots else {}
 

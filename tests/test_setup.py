@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import configparser
+import json
 import re
 import shutil
 import subprocess
@@ -17,6 +18,9 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
+from packaging.version import Version
+
+from woz_tui import __version__
 
 pytestmark = pytest.mark.timeout(300)  # it builds both packages
 
@@ -58,6 +62,9 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], Path]
     for name in LEFT_BEHIND:
         (copy / name).parent.mkdir(parents=True, exist_ok=True)
         (copy / name).write_text("{}\n")
+    for words in (["init"], ["add", "pyproject.toml"], ["commit", "-m", "for the test"]):
+        who = ["-c", "user.name=A", "-c", "user.email=a@example.org"]
+        subprocess.run(["git", "-C", copy, *who, *words], check=True, capture_output=True)
     done = subprocess.run(
         [
             sys.executable,
@@ -116,6 +123,28 @@ def test_the_wheel_registers_command_and_drivers(packages: tuple[list[str], Path
         points.read_string(wheel.read(name).decode())
     assert dict(points["console_scripts"]) == {"woz": "woz_tui.cli:program"}
     assert dict(points["woz_tui.drivers"]) == PROJECT["project"]["entry-points"]["woz_tui.drivers"]
+
+
+def test_wheel_and_sdist_say_of_which_commit_they_are(packages: tuple[list[str], Path]) -> None:
+    assert "woz_tui/_source.json" in packages[0]
+    with zipfile.ZipFile(packages[1]) as wheel:  # it was made from the sdist
+        told = json.loads(wheel.read("woz_tui/_source.json"))
+    copy = packages[1].parents[1]
+    head = subprocess.run(
+        ["git", "-C", copy, "rev-parse", "HEAD"], capture_output=True, text=True, check=True
+    )
+    assert told == {"commit": head.stdout.strip(), "dirty": "yes"}  # most files are in no commit
+
+
+def test_the_version_is_that_of_the_newest_changes(packages: tuple[list[str], Path]) -> None:
+    """A release has a heading with its date; what comes after it is not released yet."""
+    assert packages[1].name.startswith(f"woz_tui-{__version__}-")
+    text = (ROOT / "CHANGELOG.md").read_text()
+    newest = re.findall(r"^## (.*)$", text, flags=re.MULTILINE)[0]
+    if Version(__version__).is_prerelease:
+        assert newest == "Unreleased"
+    else:
+        assert re.fullmatch(rf"{re.escape(__version__)} - \d{{4}}-\d\d-\d\d", newest)
 
 
 def test_the_sdist_has_what_a_packager_needs(packages: tuple[list[str], Path]) -> None:

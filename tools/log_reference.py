@@ -220,7 +220,10 @@ FIELDS: dict[str, tuple[str, str]] = {
     "skipped": ("", "whether the item was skipped on purpose"),
     "skipped_commands": ("", "how many commands were not sent again"),
     "social_distance": ("m", "social distance"),
-    "software": ("", "name and version of the program"),
+    "software": (
+        "",
+        "name, version, `commit`, `dirty` (edited since: `yes` or `no`), Python, libraries",
+    ),
     "begin": ("µs", "moment, on the `t` axis, at which it begins"),
     "behaviours": ("", "each with `id`, `sort`, what the robot `does`, and its `points` (µs)"),
     "block": ("", "id of the block"),

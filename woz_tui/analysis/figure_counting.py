@@ -29,6 +29,7 @@ from woz_tui.analysis.participants import counts_in_means, taking_part
 from woz_tui.analysis.tables import wall_time
 from woz_tui.feature import answer_of, answers_of, pieces
 from woz_tui.protocol import messages as m
+from woz_tui.system.provenance import with_commit
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context
@@ -153,9 +154,8 @@ def figures_of(
 
 def _software(told: Mapping[str, str]) -> str:
     """Name, version and the first digits of the commit, as far as the log tells."""
-    commit = told.get("commit", "")[:7]
-    words = [told.get("name"), told.get("version"), f"({commit})" if commit else ""]
-    return " ".join(filter(None, words))
+    name = " ".join(filter(None, [told.get("name"), told.get("version")]))
+    return with_commit(name, told)
 
 
 def _started(start: m.SessionStart) -> str:

@@ -6,7 +6,7 @@ import gc
 import importlib
 import re
 import sys
-from argparse import ArgumentParser
+from argparse import Action, ArgumentParser
 from collections.abc import Sequence
 from typing import NoReturn
 
@@ -101,6 +101,19 @@ class _Parser(ArgumentParser):
         super().error(message)
 
 
+class _Version(Action):
+    """Asks for the commit when it is wanted alone: git takes as long as all the rest."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, help: str) -> None:  # noqa: A002
+        super().__init__(option_strings, dest, nargs=0, help=help)
+
+    def __call__(self, parser: ArgumentParser, *_: object) -> NoReturn:
+        from woz_tui.system.provenance import source, with_commit  # noqa: PLC0415
+
+        print(with_commit(f"woz-tui {__version__}", source()))
+        parser.exit()
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     clean_streams()
@@ -110,7 +123,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(FIRST_STEPS)
         return 2
     parser = _Parser(prog="woz", description="A wizard plays a social robot from a terminal.")
-    parser.add_argument("--version", action="version", version=f"woz-tui {__version__}")
+    parser.add_argument("--version", action=_Version, help="show version and commit, and leave")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     command_name = next((word for word in words if not word.startswith("-")), "")
     known = all_commands()

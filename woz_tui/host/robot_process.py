@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.config.robot_fit import fitted
-from woz_tui.drivers.plugins import Catalogue, installed
+from woz_tui.drivers.plugins import GROUP, Catalogue, installed
 from woz_tui.feature import features, pieces
 from woz_tui.host.loop_watchdog import LoopWatchdog
 from woz_tui.host.request_handlers import RequestHandlers
@@ -42,6 +42,7 @@ from woz_tui.session.participant_identity import (
 from woz_tui.session.session import Session
 from woz_tui.session.session_features import SessionFeature
 from woz_tui.system.clock import RealClock
+from woz_tui.system.provenance import software
 from woz_tui.system.session_sockets import bind, next_session, running, socket_path, starting
 
 if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
@@ -100,6 +101,9 @@ def run(options: HostOptions) -> int:
     before anything has begun; afterwards everything is handled here.
     """
     _fill_standard_streams()
+    # Git says whether the program was edited, while the file is read.
+    looked_up = threading.Thread(target=software, args=(GROUP,))
+    looked_up.start()
     catalogue = installed()
     experiment = _read(options, catalogue)
     withdrawn, _ = _withdrawn(options.recordings)
@@ -115,6 +119,7 @@ def run(options: HostOptions) -> int:
         plan = read_plan(options.rerun, experiment)
     identity = _kind(options).identity(options.identity, experiment)
     options = replace(options, identity=identity)
+    looked_up.join()
     return asyncio.run(_serve(options, catalogue, experiment, plan))
 
 

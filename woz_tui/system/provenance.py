@@ -1,10 +1,12 @@
-"""Which program recorded a log: version, source, Python, machine, and libraries."""
+"""Which program recorded a log: version, commit, Python, machine, and libraries."""
 
 from __future__ import annotations
 
 import json
 import platform
 import re
+import subprocess
+from collections.abc import Mapping
 from functools import cache
 from importlib import metadata
 from pathlib import Path
@@ -15,11 +17,19 @@ _KERNEL = re.compile(r"[0-9.]*[0-9]|")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
 
+#: Of which commit a package is that was built, beside `woz_tui/__init__.py`; see hatch_build.py.
+SOURCE_FILE = "_source.json"
+#: What of a checkout is the program: notes and experiments beside it may be edited.
+_PROGRAM = ("woz_tui", "drivers", "pyproject.toml")
+#: How long git may take to say whether it was edited, in seconds.
+_GIT_S = 2.0
+
+
 @cache
 def software(drivers: str) -> dict[str, str]:
-    """Name, version, `commit` (HEAD of the checkout, which does not tell of edits since; or of the
-    repository it was installed from), python, machine, and the versions of what it needs that is
-    installed. `drivers` is the group of entry points with which packages of others bring drivers.
+    """Name, version, `commit` and `dirty` (see `source`), python, machine, and the versions of what
+    it needs that is installed. `drivers` is the group of entry points with which packages of others
+    bring drivers.
     """
     from woz_tui import __version__  # noqa: PLC0415 - the package imports nothing
 
@@ -28,30 +38,65 @@ def software(drivers: str) -> dict[str, str]:
     return {
         "name": _PACKAGE,
         "version": __version__,
-        **({"commit": commit} if (commit := _commit()) else {}),
+        **source(),
         "python": f"{platform.python_implementation()} {platform.python_version()}",
         "machine": f"{platform.system()} {kernel} {platform.machine()}",
         "libraries": ", ".join(_libraries(drivers)),
     }
 
 
-def _commit() -> str:
-    """HEAD of the checkout that runs, 40 hexadecimal digits, or what was installed; empty: nobody
-    knows.
+def source() -> dict[str, str]:
+    """`commit`: 40 hexadecimal digits; `dirty`: whether the program was edited since, `yes` or
+    `no`. Of the checkout that runs, or else of the one that the package was built from; what nobody
+    knows is left out.
     """
-    git = Path(__file__).parents[2] / ".git"
+    package = Path(__file__).parents[1]
+    git = package.parent / ".git"
     try:
         if git.is_file():  # a second working tree of a repository
             git = (
                 git.parent / git.read_text(encoding="utf-8").partition(": ")[2].strip()
             ).resolve()
         if git.is_dir():
-            return _head(git)
-        told = metadata.distribution(_PACKAGE).read_text("direct_url.json")
-        commit = json.loads(told or "{}").get("vcs_info", {}).get("commit_id", "")
-    except (OSError, ValueError, AttributeError, metadata.PackageNotFoundError):
-        return ""
-    return commit if isinstance(commit, str) else ""
+            commit = _head(git)
+            return {"commit": commit, **_dirty(package.parent)} if commit else {}
+        told = json.loads((package / SOURCE_FILE).read_text(encoding="utf-8"))
+        return {name: str(told[name]) for name in ("commit", "dirty") if name in told}
+    except (OSError, ValueError, TypeError):
+        return {}
+
+
+def with_commit(name: str, told: Mapping[str, str]) -> str:
+    """`name` and of which commit it is, as `source` told it: `woz-tui 0.1.0 (1a2b3c4, edited)`."""
+    commit = told.get("commit", "")[:7]
+    edited = ", edited" if told.get("dirty") == "yes" else ""
+    return f"{name} ({commit}{edited})".lstrip() if commit else name
+
+
+def _dirty(folder: Path) -> dict[str, str]:
+    """Empty where there is no git, or where it does not answer."""
+    asked = [
+        "git",
+        "--no-optional-locks",
+        "-C",
+        str(folder),
+        "status",
+        "--porcelain",
+        "--",
+        *_PROGRAM,
+    ]
+    try:
+        done = subprocess.run(
+            asked,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            timeout=_GIT_S,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return {}
+    return {"dirty": "yes" if done.stdout.strip() else "no"}
 
 
 def _head(git: Path) -> str:

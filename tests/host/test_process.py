@@ -52,8 +52,11 @@ class RobotProcess:
         folder: Path,
         rudeness: str,
         closed: bool = False,
+        *,
         more: tuple[str, ...] = (),
         changes: tuple[tuple[str, str], ...] = (),
+        announce: bool = True,
+        environment: tuple[tuple[str, str], ...] = (),
     ) -> None:
         self.folder = folder
         experiment = installed(folder, rudeness)
@@ -61,7 +64,7 @@ class RobotProcess:
             experiment.write_text(experiment.read_text().replace(old, new))
         self.socket = folder / "s"
         words = ["host", str(experiment), "--recordings", str(folder / "rec"), *more]
-        words += [] if closed else ["--announce"]
+        words += ["--announce"] if announce and not closed else []
         woz = IMPATIENT if rudeness in ENDLESS else PATIENT
         self.process = subprocess.Popen(
             [*(CLOSED if closed else ()), sys.executable, "-c", woz, *words],
@@ -69,6 +72,7 @@ class RobotProcess:
                 **os.environ,
                 "PYTHONPATH": f"{folder}:{ROOT}",
                 "WOZ_SOCKET": str(self.socket),
+                **dict(environment),
             },
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
@@ -279,6 +283,32 @@ def test_a_parent_that_is_gone_before_the_start_is_over_costs_nothing(tmp_path: 
         assert host.ask('{"kind":"end","ref":1,"reason":"enough"}')[-1]["ok"]
         assert host.ended() == 0
         assert host.log()[-1]["reason"] == "enough"
+
+
+def test_started_by_hand_or_as_a_service_it_says_that_it_is_ready_and_how_to_join(
+    tmp_path: Path,
+) -> None:
+    notified = tmp_path / "notify"
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+        manager.bind(str(notified))
+        manager.settimeout(WAIT_S)
+        service = (("NOTIFY_SOCKET", str(notified)),)
+        words = ("--session", "S04")
+        with robot(tmp_path, more=words, announce=False, environment=service) as host:
+            assert host.process.stdout is not None
+            assert host.process.stderr is not None
+            told = (
+                b"woz: session S04 is ready; join it with `woz attach s`\n"  # WOZ_SOCKET names it
+            )
+            assert host.process.stderr.readline() == told
+            assert manager.recv(1000) == b"READY=1\nSTATUS=session S04: woz attach s"
+            assert answers(host.socket)
+            host.process.terminate()
+            assert manager.recv(1000) == b"STOPPING=1"
+            assert host.ended() == 0
+            said = f"woz: session S04 has ended; its log is in {tmp_path / 'rec'}\n"
+            assert host.process.stderr.read().decode() == said
+            assert host.process.stdout.read() == b""
 
 
 def test_a_driver_that_cannot_be_made_is_named(tmp_path: Path) -> None:

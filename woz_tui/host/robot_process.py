@@ -43,6 +43,7 @@ from woz_tui.session.session import Session
 from woz_tui.session.session_features import SessionFeature
 from woz_tui.system.clock import RealClock
 from woz_tui.system.provenance import software
+from woz_tui.system.service_manager import notify
 from woz_tui.system.session_sockets import bind, next_session, running, socket_path, starting
 
 if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
@@ -270,11 +271,15 @@ async def _serve(
         companions = _companions(host)
         if options.announce:
             _announce(path, recorder)
+        else:
+            _say(f"session {identity.session} is ready; join it with `woz attach {path.stem}`")
+        notify("READY=1", f"STATUS=session {identity.session}: woz attach {path.stem}")
         _give_keys_priority()
         if rerun is not None:
             rerun.begin_when_ready()
         reason = await host.serve()
     finally:
+        notify("STOPPING=1")
         _leave_within(CLOSE_LIMIT_S)
         try:
             if rerun is not None:
@@ -288,6 +293,8 @@ async def _serve(
             _leave_within(EXIT_LIMIT_S)
             for each in companions:
                 await each.close()
+            if not options.announce:
+                _say(f"session {identity.session} has ended; its log is in {recorder.path.parent}")
     return 0
 
 
@@ -390,6 +397,12 @@ def _leave_within(seconds: float) -> None:
     timer = threading.Timer(seconds, leave)
     timer.daemon = True
     timer.start()
+
+
+def _say(text: str) -> None:
+    """For who started it by hand, or a service's journal; a closed terminal does not matter."""
+    with contextlib.suppress(OSError):
+        print(f"woz: {text}", file=sys.stderr, flush=True)  # noqa: T201 - a command's own word
 
 
 def _announce(path: Path, recorder: Recorder) -> None:

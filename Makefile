@@ -9,7 +9,7 @@ RUN := $(VENV)/.installed-run
 DEV := $(VENV)/.installed-dev
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: help demo test bare quick peers fuzz check generated screenshots bench constraints clean
+.PHONY: help demo test bare quick peers fuzz check licences generated screenshots bench constraints clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -37,6 +37,10 @@ check: $(DEV)  ## lint, format, types, import rules
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
+
+licences: $(BIN)/python  ## see that every file has a licence (REUSE), with a program of its own
+	@test -x $(VENV)/reuse/bin/reuse || { .ci/venv $(VENV)/reuse && $(VENV)/reuse/bin/pip install --quiet 'reuse>=6,<7'; }
+	@$(VENV)/reuse/bin/reuse lint
 
 generated: $(DEV)  ## write the pages, schemas and examples that come from the code
 	@$(BIN)/python -m tools.generated

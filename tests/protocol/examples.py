@@ -370,6 +370,7 @@ MESSAGES: tuple[m.Message, ...] = (
     ),
     *feature_examples("lsl", "MESSAGES"),
     *feature_examples("slots", "MESSAGES"),
+    *feature_examples("people", "MESSAGES"),
 )
 
 _PANELS = [
@@ -467,6 +468,7 @@ REQUESTS: tuple[r.Request, ...] = (
     r.AskUnrecorded(ref=45),
     *feature_examples("lsl", "REQUESTS"),
     *feature_examples("slots", "REQUESTS"),
+    *feature_examples("people", "REQUESTS"),
 )
 
 
@@ -571,6 +573,7 @@ def answers() -> list[Answer]:
             engagement=s.ModelLimits({"listening": 60.0}, handshake=60.0, attempts=3),
             phases=[PhaseView(name="whales", panels=["Speech"], after=["opening"], planned=120.0)],
             slots={"colour": s.SlotView(["red", "blue"], heard=True, keep="participant")},
+            participant_fields={"group": ["child", "adult"]},
             sensors=["engagement", "distance"],
             study=s.StudySettings(design=s.DesignView("latin-square", within=True, trials=3)),
         ),

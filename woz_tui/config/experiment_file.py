@@ -101,6 +101,16 @@ class ParticipantsEntry(Entry):
     what = "the section"
     example = "{pattern: 'P\\d\\d'}"
     pattern: Annotated[str, Doc("regular expression of codes")] = ""
+    fields: Annotated[
+        Any,
+        ReadApart("participant_fields"),
+        Doc(
+            "what is known of each: text, or one of several words; {participant.NAME} in sentences"
+        ),
+    ] = None
+    table: Annotated[
+        str, Doc("CSV file with these fields, one line for each code (column: participant)")
+    ] = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,7 +166,7 @@ class ExperimentKeys(Study, Entry):
 
 
 def _with_features() -> type[ExperimentKeys]:
-    keys = [section.keys for section in pieces("section", FeatureSection).values()]
+    keys = dict.fromkeys(section.keys for section in pieces("section", FeatureSection).values())
     body = {"__doc__": "The top level of an experiment file."}
     whole = type("ExperimentFile", (*keys, ExperimentKeys), body)
     return cast("type[ExperimentKeys]", dataclass(frozen=True, kw_only=True)(whole))

@@ -10,6 +10,7 @@ FEATURES: tuple[str, ...] = (
     "woz_tui.features.phases:Phases",
     "woz_tui.features.scripts:Scripts",
     "woz_tui.features.slots:Slots",
+    "woz_tui.features.people:People",
     "woz_tui.features.profiles:Profiles",
     "woz_tui.features.repairs:Repairs",
     "woz_tui.features.questionnaires:Questionnaires",

@@ -524,6 +524,7 @@ class PanelsChanged(Answer, frozen=True, kw_only=True, tag="panels"):
     engagement: ModelLimits = ModelLimits()
     phases: list[PhaseView] = []
     slots: dict[str, SlotView] = {}
+    participant_fields: dict[str, list[str]] = {}
     sensors: list[str] = []
     study: StudySettings | None = None
     stale_after: float | None = None

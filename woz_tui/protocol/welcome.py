@@ -317,6 +317,7 @@ class WelcomeSettings(msgspec.Struct, frozen=True, kw_only=True):
     engagement: ModelLimits = ModelLimits()
     phases: list[PhaseView] = []
     slots: dict[str, SlotView] = {}
+    participant_fields: dict[str, list[str]] = {}
     sensors: list[str] = []
     study: StudySettings = StudySettings()
     replay: ReplayedLog | UnsetType = UNSET

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import functools
+from collections.abc import Callable, Iterable
 from typing import ClassVar
 
 from textual.binding import Binding, BindingType
@@ -15,6 +16,12 @@ from woz_tui.config.participant_pattern import example
 from woz_tui.console.drawing.cells import clean
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.screens.dialog import FormDialog, plain
+from woz_tui.console.widgets.feature_console import (
+    FeatureConsole,
+    ParticipantField,
+    ParticipantForm,
+)
+from woz_tui.feature import answers_of, pieces
 from woz_tui.protocol.requests import AskSet, Reply
 
 #: What a code may look like if the experiment file does not say.
@@ -94,6 +101,17 @@ class ConditionList(RadioSet):
         self.call_after_refresh(self.post_message, self.Accepted())
 
 
+def _forms() -> dict[str, ParticipantForm]:
+    """What features ask of participants, by the feature's name."""
+    consoles = pieces("console", FeatureConsole)
+    return {name: form for name, each in consoles.items() if (form := each.describes) is not None}
+
+
+def _input(field: ParticipantField) -> str:
+    """The id of its input."""
+    return f"field-{field.name}"
+
+
 class StartDialog(FormDialog):
     """Participant, condition, trial; enter in a field accepts all. Where the wizard was ending the
     session, that goes on behind it.
@@ -114,6 +132,10 @@ class StartDialog(FormDialog):
         state, study = self.state, self.state.session.study
         yield Static("Code of the participant (never a name)", classes="caption")
         yield Input(clean(self._present()), placeholder=clean(self._pattern()), id="participant")
+        for name, form in _forms().items():
+            for field in answers_of(name, form.fields, state, self._present()):
+                yield Static(f"{clean(field.name)} (optional)", classes="caption")
+                yield Input(placeholder=clean(field.hint), id=_input(field))
         yield from self.more_fields()
         if state.plan.conditions:
             yield Static("Condition", classes="caption one")
@@ -209,7 +231,35 @@ class StartDialog(FormDialog):
         wrong = wrong or self.wrong_choice() or trial_error(trial)
         self.complain(wrong)
         if not wrong:
-            self.ask(code, int(trial) if trial else None)
+            ask = functools.partial(self.ask, code, int(trial) if trial else None)
+            self._describe(code, [*_forms().items()], ask)
+
+    def _describe(
+        self, code: str, forms: list[tuple[str, ParticipantForm]], then: Callable[[], object]
+    ) -> None:
+        """Say what was typed of the participant, of one form after the other; then the rest."""
+        if not forms:
+            then()
+            return
+        (name, form), *others = forms
+        fields = answers_of(name, form.fields, self.state, code)
+        typed = {
+            each.name: text
+            for each in fields
+            for entry in self.query(f"#{_input(each)}").results(Input)
+            if (text := entry.value.strip())
+        }
+
+        def answered(reply: Reply) -> None:
+            if reply.ok:
+                self._describe(code, others, then)
+            else:
+                self.answered(reply)
+
+        if typed:
+            self.requests.ask(form.request(code, typed), answered)
+        else:
+            self._describe(code, others, then)
 
     def wrong_choice(self) -> str:
         """Why the conditions cannot be as they were chosen, or an empty string."""

@@ -104,6 +104,25 @@ class AskedWords:
 
 
 @dataclass(frozen=True, slots=True)
+class ParticipantField:
+    """A field of the participant's dialog: its name, and what can stand in it."""
+
+    name: str
+    hint: str
+
+
+@dataclass(frozen=True, slots=True)
+class ParticipantForm:
+    """What the participant's dialog asks beside the code.
+
+    `fields`: for this code. `request`: says what was typed of it, before the code is set.
+    """
+
+    fields: Callable[[ConsoleState, str], Iterable[ParticipantField]]
+    request: Callable[[str, Mapping[str, str]], Request]
+
+
+@dataclass(frozen=True, slots=True)
 class FoundRequest:
     """What the palette finds by its `name`: a request, and in a word what it is about."""
 
@@ -200,7 +219,7 @@ class FeatureConsole:
     what the end would cut off, in sentences. `value`: what stands behind the trial in the first
     status row. `begins`: the id of the key of what is to begin before there is a script, and what,
     in words; without a key, why nothing is; None: as otherwise. `asks`: what it asks for
-    before actions are played.
+    before actions are played. `describes`: what it asks of participants.
     """
 
     commands: tuple[FeatureCommand, ...] = ()
@@ -219,6 +238,7 @@ class FeatureConsole:
     value: Callable[[ConsoleState], str] | None = None
     begins: Callable[[ConsoleState], tuple[str, str] | None] | None = None
     asks: AskedWords | None = None
+    describes: ParticipantForm | None = None
 
 
 def between_trials() -> Iterator[tuple[str, BetweenTrials]]:

@@ -11,7 +11,7 @@ from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventContext, EventLine
 from woz_tui.console.widgets.feature_console import AskedWords, FeatureConsole
-from woz_tui.features.slots.kinds import SlotFilled
+from woz_tui.features.slots.kinds import KEPT, SlotFilled
 from woz_tui.features.slots.open_slots import (
     Gap,
     asks_again,
@@ -69,7 +69,9 @@ def next_rows(state: ConsoleState, frame: PaintFrame, action: str) -> Sequence[R
     return [cut(each, frame.width, glyphs.ellipsis) for each in (row, below)][: frame.height]
 
 
-def _filled(message: SlotFilled, shown: EventContext) -> EventLine:
+def _filled(message: SlotFilled, shown: EventContext) -> EventLine | None:
+    if message.source == KEPT:  # its sentence says it
+        return None
     return EventLine("info", f"{message.slot}: {message.value}", message.source)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import ClassVar
 
-from woz_tui.features.slots.kinds import SlotFilled
+from woz_tui.features.slots.kinds import KEPT, SlotFilled
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import Episode, keep_latest
 from woz_tui.timeline.feature_history import FeatureHistory, HistoryCase
@@ -21,7 +21,7 @@ class SlotHistory(FeatureHistory):
         self.filled: dict[str, SlotFilled] = {}
 
     def _fill(self, message: SlotFilled, state: SessionState) -> Iterable[Episode]:
-        if message.keep and message.source != "kept":
+        if message.keep and message.source != KEPT:
             keep_latest(self.filled, message.slot, message)
         return moment(message, state.t)
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from woz_tui.config.experiment import Action, Experiment
 from woz_tui.features.slots.gate import SlotFact
 from woz_tui.features.slots.history import kept_values
-from woz_tui.features.slots.kinds import SlotFilled
+from woz_tui.features.slots.kinds import KEPT, SlotFilled
 from woz_tui.features.slots.section import SLOTS, slots_of
 from woz_tui.features.slots.slot_value import SlotValueError, checked_value
 from woz_tui.protocol.refusal import RequestError
@@ -18,7 +18,7 @@ from woz_tui.session.variables import VariableValues
 
 #: Where a value may come from; of a program it is `program`.
 SOURCES = ("typed", "offered", "heard")
-KEPT, PROGRAM = "kept", "program"
+PROGRAM = "program"
 
 
 class SlotsInSession(SessionFeature):

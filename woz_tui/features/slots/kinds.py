@@ -8,6 +8,10 @@ from woz_tui.protocol.envelope import RestrictedMessage
 from woz_tui.protocol.kinds import FeatureKinds
 
 
+#: The source of a value that was filled in before.
+KEPT = "kept"
+
+
 class SlotFilled(RestrictedMessage, frozen=True, kw_only=True, tag="slot.filled"):
     """A slot of an action's sentence has this `value` in the run `run`.
 

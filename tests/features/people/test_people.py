@@ -178,6 +178,9 @@ async def test_the_dialog_asks_and_what_is_refused_stays() -> None:
         entry.value = "child"
         await pilot.press("enter")
         asked = pilot.feed.last(AskDescribe)
+        assert isinstance(asked, AskDescribe)
         assert (asked.participant, asked.fields) == ("P07", {"group": "child"})
-        assert pilot.feed.last(AskSet).participant == "P07"
+        last = pilot.feed.last(AskSet)
+        assert isinstance(last, AskSet)
+        assert last.participant == "P07"
         assert pilot.console.dialog is None

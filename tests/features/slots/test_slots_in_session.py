@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from hypothesis import given
@@ -14,14 +14,18 @@ from hypothesis import strategies as st
 
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.rig import action, call, experiment, together, with_script
+from woz_tui.analysis.figures import SessionFigures
 from woz_tui.config.experiment import Experiment, Panel, TextVariants
+from woz_tui.features.slots.figures import FIGURES
 from woz_tui.features.slots.kinds import SlotFilled
+from woz_tui.features.slots.report import SLOTS as TABLE
 from woz_tui.features.slots.section import SLOTS, Slot
 from woz_tui.features.slots.slot_value import LONGEST, SlotValueError, checked_value, tidied
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_texts import GivenValues, calls_in, utterances
 from woz_tui.session.variables import VariableValues, fill_variables
+from woz_tui.timeline.timeline import timeline_of
 
 
 def made(folder: Path, keep: str = "no", **more: Any) -> Experiment:
@@ -244,3 +248,22 @@ def test_braces_are_said_and_not_kept(tmp_path: Path, braces: str) -> None:
         assert (await peer.ask("action", action="Ask"))["needs"] == ["colour"]
 
     assert said(hosted(made(tmp_path, keep="trial"), scenario)) == [f"Do you like {braces}?"]
+
+
+def test_a_report_counts_them_and_a_table_has_each(tmp_path: Path) -> None:
+    async def scenario(host: ServedSession) -> None:
+        peer = await wizard(host)
+        asked = {"slots": {"colour": "red"}, "slot_sources": {"colour": "offered"}}
+        assert (await peer.ask("action", action="Ask", **asked, slots_took_us=1_200_000))["ok"]
+        assert (await peer.ask("action", action="Ask"))["ok"]
+
+    host = hosted(made(tmp_path, keep="participant"), scenario)
+    rows = FIGURES.count(timeline_of(host.lines))
+    assert rows is not None
+    [table] = FIGURES.tables(rows)
+    assert [[str(cell) for cell in row] for row in table.rows] == [
+        ["colour", "0", "1", "0", "0", "1", "1.20 s"]
+    ]
+    of_nobody = cast("SessionFigures", None)  # these columns look at their row alone
+    cells = [[column.cell(of_nobody, row) for column in TABLE.columns[-4:]] for row in rows]
+    assert cells == [["colour", "red", "offered", "1.200000"], ["colour", "red", "kept", None]]

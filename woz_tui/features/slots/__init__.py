@@ -17,3 +17,5 @@ class Slots(Feature):
     history = "history:SlotHistory"
     view = "view:VIEW"
     export = "export:EXPORT"
+    figures = "figures:FIGURES"
+    report = "report:REPORT"

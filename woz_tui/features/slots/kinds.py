@@ -7,7 +7,6 @@ import msgspec
 from woz_tui.protocol.envelope import RestrictedMessage
 from woz_tui.protocol.kinds import FeatureKinds
 
-
 #: The source of a value that was filled in before.
 KEPT = "kept"
 

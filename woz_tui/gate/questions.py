@@ -90,7 +90,8 @@ class PlayAction:
     """An action by its name, from a key, a line of a script, a program, a phase; `action`: None
     where the file has none. `at`: the moment for which it is asked, 0: now. `beside_panels`:
     it is a feature's, and no panel's. `under_way`: its key counts once, and it waits or is running.
-    `given`: variables of its sentences whose values come with the request.
+    `given`: variables of its sentences whose values come with the request; `text`: what is said in
+    place of its first sentence.
     """
 
     name: str
@@ -101,6 +102,7 @@ class PlayAction:
     beside_panels: bool = False
     under_way: Literal["", "waits", "is running"] = ""
     given: Collection[str] = ()
+    text: str = ""
 
 
 @dataclass(frozen=True, slots=True)

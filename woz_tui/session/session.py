@@ -296,7 +296,9 @@ class Session:
             given = self.features.check_given(name, given)
         action = self.experiment.action(name)
         beside = action in self.experiment.beside_panels
-        question = PlayAction(name, action, origin, stale, at, beside, given=given.values)
+        question = PlayAction(
+            name, action, origin, stale, at, beside, given=given.values, text=text
+        )
         if action and origin.source == "key" and origin.key and not (when_busy or action.when_busy):
             question = replace(question, under_way=self._under_way(action))
         if (refusal := why_not(self.facts(), question)) is not None:
@@ -311,7 +313,7 @@ class Session:
         assert action is not None
         if not action.steps and beside:
             return self.features.play(action, origin, when_busy, at)
-        again = partial(self._no_action, name, origin, given.values)
+        again = partial(self._no_action, name, origin, given.values, text)
         if text:
             action = self.texts.edited(action, text, tells)
         run, refused = self.runner.play(
@@ -335,12 +337,12 @@ class Session:
         return "waits" if found[1] else "is running"
 
     def _no_action(
-        self, name: str, origin: RequestOrigin, given: Collection[str]
+        self, name: str, origin: RequestOrigin, given: Collection[str], text: str
     ) -> Refusal | None:
         """Why this hand may not play it at the moment; None: it may."""
         action = self.experiment.action(name)
         beside = action in self.experiment.beside_panels
-        question = PlayAction(name, action, origin, beside_panels=beside, given=given)
+        question = PlayAction(name, action, origin, beside_panels=beside, given=given, text=text)
         return why_not(self.facts(), question)
 
     def facts(self) -> Facts:

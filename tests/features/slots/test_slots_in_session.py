@@ -125,6 +125,16 @@ def test_it_is_said_with_what_came_along_and_the_log_says_where_that_is_from(
     )
 
 
+def test_a_line_that_is_edited_may_do_without_its_slot(tmp_path: Path) -> None:
+    async def scenario(host: ServedSession) -> None:
+        peer = await wizard(host)
+        with_gap = await peer.ask("script", key="ctrl+g", text="Is {colour} nice?")
+        assert with_gap["needs"] == ["colour"]
+        assert (await peer.ask("script", key="ctrl+g", text="Is it nice?"))["ok"]
+
+    assert said(hosted(made(tmp_path), scenario)) == ["Is it nice?"]
+
+
 @pytest.mark.parametrize(
     ("slots", "why"),
     [

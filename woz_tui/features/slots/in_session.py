@@ -55,7 +55,7 @@ class SlotsInSession(SessionFeature):
         )
 
     def fact(self) -> object | None:
-        return SlotFact(self._of, {*self._kept}) if self._of else None
+        return SlotFact(self._of, {*self._kept}, self._slots) if self._of else None
 
     def check_given(self, action: str, given: GivenValues) -> GivenValues:
         values: dict[str, str] = {}

@@ -13,7 +13,7 @@ from typing import Any
 from woz_tui.client import WozClient, WozRefusedError
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.description import ArgumentDescription, VerbDescription
-from woz_tui.protocol.panels import PanelView
+from woz_tui.protocol.panels import ActionView, PanelView
 
 #: The tools beside the verbs.
 PLAY, STOP, LOOK, DRIVER = "play_action", "stop_everything", "look_at_session", "driver"
@@ -43,17 +43,25 @@ def tools_of(verbs: Iterable[VerbDescription], panels: Iterable[PanelView]) -> l
             continue
         drivers.setdefault(verb.name, []).append(verb)
     actions = [action for panel in panels for action in panel.actions]
-    labels = "; ".join(f"{action.name}: {action.label}" for action in actions)
+    labels = "; ".join(map(_label, actions))
+    slots = {name: {"type": "string"} for action in actions for name in action.slots}
+    given: Mapping[str, Any] = {"slots": _schema(slots)} if slots else {}
     return [
         *(_verb_tool(views) for views in drivers.values()),
         Tool(
             PLAY,
             f"Play an action of the experiment to its end. {labels}",
-            _schema({"action": {"enum": [action.name for action in actions]}}, ["action"]),
+            _schema({"action": {"enum": [action.name for action in actions]}, **given}, ["action"]),
         ),
         Tool(STOP, "Stop everything the robot does, at once. Only a person can go on.", _schema()),
         Tool(LOOK, "What holds now: the stop, engagement, the last readings.", _schema(), True),
     ]
+
+
+def _label(action: ActionView) -> str:
+    """What an action is called, and what has to be given with it."""
+    slots = f" (slots: {', '.join(action.slots)})" if action.slots else ""
+    return f"{action.name}: {action.label}{slots}"
 
 
 def _verb_tool(views: list[VerbDescription]) -> Tool:
@@ -129,9 +137,13 @@ class ToolCaller:
         if name == LOOK:
             return {**self._state, "readings": {**self._readings}}
         if name == PLAY:
-            if [*args] != ["action"]:
+            slots = args.get("slots", {})
+            if "action" not in args or args.keys() - {"action", "slots"}:
                 raise WozRefusedError(f"{PLAY} takes one argument: action, its name")
-            await self._client.press(str(args["action"]))
+            if not isinstance(slots, dict):
+                raise WozRefusedError(f"slots of {PLAY} are texts by name")
+            given = {name: str(text) for name, text in slots.items()}
+            await self._client.press(str(args["action"]), slots=given)
             return {"done": True}
         driver = str(args.get(DRIVER, ""))
         verbs = [verb for verb in self._client.description.verbs if verb.name == name]

@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.rig import action, call, experiment, together, with_script
 from woz_tui.analysis.figures import SessionFigures
+from woz_tui.client import WozRefusedError, connect
+from woz_tui.client.tools import PLAY, ToolCaller
 from woz_tui.config.experiment import Experiment, Panel, TextVariants
 from woz_tui.features.slots.figures import FIGURES
 from woz_tui.features.slots.kinds import SlotFilled
@@ -277,3 +279,18 @@ def test_a_report_counts_them_and_a_table_has_each(tmp_path: Path) -> None:
     of_nobody = cast("SessionFigures", None)  # these columns look at their row alone
     cells = [[column.cell(of_nobody, row) for column in TABLE.columns[-4:]] for row in rows]
     assert cells == [["colour", "red", "offered", "1.200000"], ["colour", "red", "kept", None]]
+
+
+def test_programs_and_assistants_say_what_stands_there(tmp_path: Path) -> None:
+    async def scenario(host: ServedSession) -> None:
+        async with connect(host.path) as woz:
+            await woz.press("Ask", slots={"colour": "red"})
+            caller = ToolCaller(woz)
+            tool = next(each for each in caller.tools() if each.name == PLAY)
+            assert "Both: Both (slots: colour, shape)" in tool.summary
+            assert {*tool.schema["properties"]["slots"]["properties"]} == {"colour", "shape"}
+            await caller.call(PLAY, {"action": "Ask", "slots": {"colour": "blue"}})
+            with pytest.raises(WozRefusedError, match="is not filled in"):
+                await caller.call(PLAY, {"action": "Ask"})
+
+    assert said(hosted(made(tmp_path), scenario)) == ["Do you like red?", "Do you like blue?"]

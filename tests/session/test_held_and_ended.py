@@ -6,10 +6,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from tests.session.rig import SessionRig, call
+from woz_tui.config.experiment import Action
 from woz_tui.drivers.contract import Verb
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import ActionRunner
+from woz_tui.session.action_texts import GivenValues
 
 KEY = RequestOrigin("key", "h")
 
@@ -27,6 +29,8 @@ class Forgetful:
         return True
 
     def drop(self, run: str) -> None: ...
+
+    def filled(self, run: str, action: Action, given: GivenValues) -> None: ...
 
 
 def test_what_was_stopped_does_not_begin_whatever_a_feature_does(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from typing import ClassVar
 
 from textual.binding import Binding, BindingType
+from textual.containers import Horizontal
 from textual.events import Mount
 from textual.message import Message
 from textual.widget import Widget
@@ -134,8 +135,9 @@ class StartDialog(FormDialog):
         yield Input(clean(self._present()), placeholder=clean(self._pattern()), id="participant")
         for name, form in _forms().items():
             for field in answers_of(name, form.fields, state, self._present()):
-                yield Static(f"{clean(field.name)} (optional)", classes="caption")
-                yield Input(placeholder=clean(field.hint), id=_input(field))
+                with Horizontal(classes="field"):
+                    yield Static(f"{clean(field.name)}: ", classes="caption")
+                    yield Input(placeholder=clean(field.hint), id=_input(field))
         yield from self.more_fields()
         if state.plan.conditions:
             yield Static("Condition", classes="caption one")

@@ -13,6 +13,7 @@ from typing import Any
 
 from tools import (
     ROOT,
+    completions,
     driver_settings,
     engagement_diagram,
     experiment_reference,
@@ -27,6 +28,7 @@ from tools import (
     toolkit_coverage,
 )
 from tools.driver_settings import bundled
+from woz_tui.cli import completion
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config import robot_descriptions
 from woz_tui.config.json_schema import experiment_schema, included_schema, robot_schema
@@ -36,6 +38,10 @@ from woz_tui.motion.render_target import inputs_table
 
 def _schema(make: Callable[[], Mapping[str, Any]], _: str) -> str:
     return f"{json_text(make(), indent=2)}\n"
+
+
+def _completion(shell: str, _: str) -> str:
+    return completions.script(shell)
 
 
 #: Path in the repository -> what gives the file's text, from the text it has.
@@ -64,6 +70,10 @@ FILES: Mapping[str, Callable[[str], str]] = {
     ),
     "experiments/schema/move.schema.json": partial(_schema, move_schema),
     "experiments/schema/robot.schema.json": partial(_schema, lambda: robot_schema(bundled())),
+    **{
+        str((completion.FOLDER / f"woz.{shell}").relative_to(ROOT)): partial(_completion, shell)
+        for shell in completion.SHELLS
+    },
     **{
         str(path.relative_to(ROOT)): partial(driver_settings.refreshed, name)
         for name, path in driver_settings.pages().items()

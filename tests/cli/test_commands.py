@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from woz_tui import cli
@@ -48,3 +50,17 @@ def test_options_and_their_words_have_a_did_you_mean_too(
     with pytest.raises(SystemExit, match="2"):
         cli.main(words)
     assert meant in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("columns", [20, 60, 200])
+def test_help_has_every_command_once_in_its_group(
+    columns: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    with pytest.raises(SystemExit, match="0"):
+        cli.main(["--help"])
+    lines = capsys.readouterr().out.splitlines()
+    groups = [line.removesuffix(":") for line in lines if line.endswith(":") and line[0] != " "]
+    assert groups == ["options", *cli.GROUPS.values()]
+    named = [line.split()[0] for line in lines if re.match(r"  [a-z]", line)]
+    assert sorted(named) == sorted(cli.all_commands())

@@ -5,10 +5,12 @@ from __future__ import annotations
 import gc
 import importlib
 import re
+import shutil
 import sys
-from argparse import Action, ArgumentParser
-from collections.abc import Sequence
-from typing import NoReturn
+import textwrap
+from argparse import SUPPRESS, Action, ArgumentParser, RawDescriptionHelpFormatter
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NoReturn
 
 from woz_tui import __version__
 from woz_tui.cli.error_sentences import is_output_error
@@ -16,42 +18,57 @@ from woz_tui.cli.safe_streams import clean_streams
 from woz_tui.feature import features
 from woz_tui.system import terminal_size
 
+if TYPE_CHECKING:
+    from argparse import _SubParsersAction
+
+    _Commands = _SubParsersAction["_Parser"]
+
 #: Command -> its module's one-line summary. A module has `add(parser)`, which declares its
 #: options, and `run`, a function from the parsed arguments to the exit code; where the command has
-#: commands of its own, `add` sets which of them runs.
+#: commands of its own, `add` sets which of them runs. In the order of `woz --help`.
 COMMANDS = {
-    "new": "write an experiment file to begin with",
     "run": "start the robot process and the console: a session",
     "demo": "start a session with a simulated robot and a simulated visitor",
-    "host": "start only the robot process",
     "attach": "join a running session",
-    "reset": "put this terminal back after a console that was killed",
-    "drivers": "offer drivers of this computer to a session on another one",
-    "access": "give access from other machines: new, list, revoke",
+    "host": "start only the robot process",
+    "new": "write an experiment file to begin with",
+    "check": "check an experiment file and show its keys",
+    "robots": "show which robots there are and what each offers",
+    "convert": "write a WoZ4U config.yaml as an experiment file",
+    "visitors": "named visitors: list, show, add, rename, forget, profile",
+    "engagement": "run the engagement model on samples or on a session's log",
+    "schema": "print the JSON Schema of experiment files, for editors",
+    "say": "hear how a text sounds",
+    "voices": "list the voices of this machine or of an experiment's robot",
+    "render": "compute the setpoints and the face of a body, as lines or curves",
+    "record-move": "record a layer of a move by puppeteering",
+    "hands": "play with a gamepad or a Stream Deck, also over ssh",
+    "midi": "learn the controls of a MIDI panel, or show their functions",
     "listen": "write the sound of the robot's microphone to standard output",
     "talk": "send a voice from standard input to the robot's loudspeaker",
     "bridge": "play what a planner sends on the topics of a robot's own software (EyePi)",
     "mcp": "offer a running session to an assistant, as tools (Model Context Protocol)",
+    "access": "give access from other machines: new, list, revoke",
+    "drivers": "offer drivers of this computer to a session on another one",
     "replay": "replay a session on the screen or on the robot",
     "coding": "list codes that were set in replays, and the agreement of two coders",
     "compare": "compare two sessions, or a session and its re-run",
-    "check": "check an experiment file and show its keys",
-    "robots": "show which robots there are and what each offers",
-    "voices": "list the voices of this machine or of an experiment's robot",
-    "say": "hear how a text sounds",
-    "convert": "write a WoZ4U config.yaml as an experiment file",
-    "doctor": "check this machine, its devices and this terminal for an experiment",
-    "midi": "learn the controls of a MIDI panel, or show their functions",
-    "hands": "play with a gamepad or a Stream Deck, also over ssh",
-    "render": "compute the setpoints and the face of a body, as lines or curves",
-    "visitors": "named visitors: list, show, add, rename, forget, profile",
-    "engagement": "run the engagement model on samples or on a session's log",
-    "record-move": "record a layer of a move by puppeteering",
-    "export": "export sessions for other programs: tables, ELAN, BIDS, Praat, MCAP",
     "report": "report the figures of one or more sessions: tables, plots, CSV, web page",
+    "export": "export sessions for other programs: tables, ELAN, BIDS, Praat, MCAP",
     "participants": "list the codes of a study, find one's files, take a participant out",
     "methods": "write a paragraph for the method section of a paper",
-    "schema": "print the JSON Schema of experiment files, for editors",
+    "doctor": "check this machine, its devices and this terminal for an experiment",
+    "reset": "put this terminal back after a console that was killed",
+    "completion": "print what completes commands in a shell: bash, zsh, fish",
+}
+#: The first command of each group that `woz --help` shows -> what the group is for.
+GROUPS = {
+    "run": "a session",
+    "new": "an experiment",
+    "say": "a robot's voice and moves",
+    "hands": "other hands, programs and machines",
+    "replay": "afterwards",
+    "doctor": "this computer",
 }
 #: What `woz` alone says: a console has to be seen before a list of commands helps.
 FIRST_STEPS = """\
@@ -101,6 +118,46 @@ class _Parser(ArgumentParser):
         super().error(message)
 
 
+def whole_parser() -> ArgumentParser:
+    """All commands with all of their options, which takes a second: for programs that write what
+    completes them.
+    """
+    parser, commands = _program_parser()
+    for name, (place, summary) in all_commands().items():
+        _declare(commands.add_parser(name, help=summary), place)
+    return parser
+
+
+def _program_parser() -> tuple[ArgumentParser, _Commands]:
+    parser = _Parser(
+        prog="woz",
+        usage="woz [-h] [--version] COMMAND ...",
+        description="A wizard plays a social robot from a terminal.",
+        formatter_class=RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action=_Version, help="show version and commit, and leave")
+    return parser, parser.add_subparsers(prog="woz", metavar="COMMAND", required=True)
+
+
+def _declare(command: ArgumentParser, place: str) -> None:
+    module = importlib.import_module(place)
+    command.set_defaults(run=module.run)
+    module.add(command)
+
+
+def _grouped(commands: Mapping[str, tuple[str, str]]) -> str:
+    """Each command in its group; argparse has one list for all of them."""
+    wide, lines = max(map(len, commands)), []
+    columns = max(shutil.get_terminal_size().columns - 2, wide + 24)
+    for name, (_, summary) in commands.items():
+        if name in GROUPS:
+            lines += ["", f"{GROUPS[name]}:"]
+        first, *rest = textwrap.wrap(summary, columns - wide - 4)
+        lines.append(f"  {name:<{wide}}  {first}")
+        lines += [f"{'':<{wide + 4}}{line}" for line in rest]
+    return "\n".join([*lines[1:], "", "`woz COMMAND --help` explains one."])
+
+
 class _Version(Action):
     """Asks for the commit when it is wanted alone: git takes as long as all the rest."""
 
@@ -122,21 +179,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not words:
         print(FIRST_STEPS)
         return 2
-    parser = _Parser(prog="woz", description="A wizard plays a social robot from a terminal.")
-    parser.add_argument("--version", action=_Version, help="show version and commit, and leave")
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    parser, commands = _program_parser()
     command_name = next((word for word in words if not word.startswith("-")), "")
     known = all_commands()
     if words[0] == command_name and command_name not in known:
         print(f"woz: {_no_command(command_name)}", file=sys.stderr)
         return 2
+    if command_name not in known:  # it asks for help, or for the version
+        commands.help = SUPPRESS
+        parser.epilog = _grouped(known)
     used = parser
     for name, (place, summary) in known.items():
         command = commands.add_parser(name, help=summary, description=f"woz {name}: {summary}")
         if name == command_name:
-            module = importlib.import_module(place)
-            command.set_defaults(run=module.run)
-            module.add(command)
+            _declare(command, place)
             used = command
     parsed, unknown = parser.parse_known_args(words)
     if unknown:

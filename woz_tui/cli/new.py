@@ -16,6 +16,7 @@ from pathlib import Path
 from woz_tui.analysis.text_format import counted, listed
 from woz_tui.cli.check import verdict
 from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.new_from import copy_example, print_examples
 from woz_tui.config import utterance_template
 from woz_tui.config.bundled_files import ROBOTS, is_path, robot_files
 from woz_tui.config.experiment import Experiment
@@ -39,6 +40,7 @@ examples:
   woz new guide.yaml                                  ask everything
   woz new guide.yaml --template museum --robot nao    ask for the rest
   woz new talk.yaml --yes --conditions strict,kind    ask nothing
+  woz new lab/show.yaml --from show                   an example, as it is
 
 The file runs at once. Its sentences are examples: write yours instead."""
 
@@ -47,7 +49,14 @@ def add(parser: ArgumentParser) -> None:
     """Declare the command's options: the questions' in the order in which they are asked."""
     parser.formatter_class = RawDescriptionHelpFormatter
     parser.epilog = _EXAMPLES
-    parser.add_argument("file", type=Path, help="new file (must not exist)")
+    parser.add_argument("file", type=Path, nargs="?", help="new file (must not exist)")
+    parser.add_argument(
+        "--from",
+        dest="source",
+        metavar="NAME",
+        help="copy an example that comes with woz-tui, with all that it needs",
+    )
+    parser.add_argument("--examples", action="store_true", help="list these examples, and leave")
     parser.add_argument(
         "--template",
         choices=tuple(TEMPLATES),
@@ -100,7 +109,14 @@ def run(arguments: Namespace) -> int:
 
 def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | None) -> int:
     """`run` with the drivers of `catalogue`; without `ask` nothing is asked."""
+    if arguments.examples:
+        return print_examples()
+    if arguments.file is None:
+        print("woz: name the new file: woz new guide.yaml", file=sys.stderr)
+        return 2
     path: Path = arguments.file
+    if arguments.source is not None:
+        return copy_example(arguments.source, path)
     if arguments.study is False and arguments.conditions is not None:
         print("woz: free play has no conditions: leave out --free or --conditions", file=sys.stderr)
         return 2

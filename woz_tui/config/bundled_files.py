@@ -18,6 +18,16 @@ def bundled_file(name: str) -> Path | None:
     return next((path for path in candidates if path.exists()), None)
 
 
+def examples() -> dict[str, Path]:
+    """The experiments that come with woz-tui, by name."""
+    folder = bundled_file("")
+    files = sorted(folder.glob("*.yaml")) if folder is not None else []
+    found = {file.stem: file for file in files}
+    if (other := bundled_file("woz4u/config.yaml")) is not None:
+        found["woz4u"] = other
+    return found
+
+
 def is_path(robot: str) -> bool:
     """Whether a robot is named by its file, and not by its name."""
     return "/" in robot or robot.endswith(_SUFFIXES)

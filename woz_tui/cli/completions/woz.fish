@@ -151,6 +151,8 @@ complete -c woz -n '_shtab_woz_using host' -l fitted -d 'without actions of whic
 complete -c woz -n '_shtab_woz_using host; and test $_shtab_woz_npos -eq 0' -ka "(__fish_complete_path (commandline -ct))" -d 'experiment file'
 complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a new -d 'write an experiment file to begin with'
 complete -c woz -n '_shtab_woz_using new' -s h -l help -d 'show this help message and exit'
+complete -c woz -n '_shtab_woz_using new' -l from -x -d 'copy an example that comes with woz-tui, with all that it needs'
+complete -c woz -n '_shtab_woz_using new' -l examples -d 'list these examples, and leave'
 complete -c woz -n '_shtab_woz_using new' -l template -xka "interview museum game tutoring survey" -d 'what the robot does: interview, museum, game, tutoring or survey (default: interview)'
 complete -c woz -n '_shtab_woz_using new' -l yes -d 'use the defaults without asking'
 complete -c woz -n '_shtab_woz_using new' -l robot -x -d 'a name that `woz robots` lists, or a robot file (default: simulated)'

@@ -442,6 +442,8 @@ _shtab_woz_midi_show_defaults_added=0
 
 _shtab_woz_new_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
+  "--from[copy an example that comes with woz-tui, with all that it needs]:NAME:"
+  "--examples[list these examples, and leave]"
   "--template[what the robot does\: interview, museum, game, tutoring or survey (default\: interview)]:NAME:(interview museum game tutoring survey)"
   "--yes[use the defaults without asking]"
   "--robot[a name that \`woz robots\` lists, or a robot file (default\: simulated)]:NAME:"

@@ -15,6 +15,7 @@ from tools import (
     ROOT,
     completions,
     driver_settings,
+    emotion_sounds,
     engagement_diagram,
     experiment_reference,
     keymap_reference,
@@ -47,6 +48,7 @@ def _completion(shell: str, _: str) -> str:
 #: Path in the repository -> what gives the file's text, from the text it has.
 FILES: Mapping[str, Callable[[str], str]] = {
     "docs/explanation/engagement.md": engagement_diagram.refreshed,
+    "docs/how-to/emotion-sounds.md": emotion_sounds.refreshed,
     "docs/how-to/export.md": redaction_lists.refreshed,
     "docs/how-to/keymap.md": keymap_reference.refreshed,
     "docs/how-to/render.md": lambda page: replaced(page, "inputs", inputs_table()),

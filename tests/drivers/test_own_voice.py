@@ -29,6 +29,11 @@ def sentence(begins: float, ends: float | None, text: str = SENTENCE) -> Iterabl
         yield m.Done(command=command, sent={}, latency_us=1000, duration_us=1, t=end)
 
 
+def test_words_do_not_tell_while_the_robot_makes_sounds_without_any() -> None:
+    assert is_robots("ba lu do", "")
+    assert not is_robots("what a noise", "Good morning everybody")
+
+
 def test_the_robot_is_heard_while_it_speaks_and_half_a_second_longer() -> None:
     said = speech(*sentence(2, 5))
     heard = [said.heard_at(round(t * SECOND)) for t in (1.9, 2, 4.9, 5.5, 5.6)]

@@ -186,6 +186,19 @@ async def test_a_drive_to_nowhere_is_refused_as_by_robots(robot: Rig) -> None:
         await robot.do("drive")
 
 
+async def test_a_sound_of_an_emotion_takes_its_time_and_opens_the_mouth(robot: Rig) -> None:
+    await robot.do("emotion", emotion="happy")
+    shut = [shown for shown in robot.context.shown if isinstance(shown, FaceShown)][-1]
+    sent = await robot.do("utter", emotion="happy", seconds=1.0, seed=3)
+    assert (sent["seconds"], sent["seed"]) == (1.0, 3)
+    assert sent["valence"] == pytest.approx(0.866, abs=1e-3)
+    faces = [shown for shown in robot.context.shown if isinstance(shown, FaceShown)]
+    opened = [shown for shown in faces[faces.index(shut) :] if shown.rows != shut.rows]
+    assert len({shown.rows for shown in opened}) > 1
+    assert {shown.emotion for shown in opened} == {"happy"}
+    assert faces[-1] == shut
+
+
 async def test_sound_lasts_as_long_as_its_file(robot: Rig, tmp_path: Path) -> None:
     with wave.open(str(tmp_path / "beep.wav"), "wb") as sound:
         sound.setnchannels(1)
@@ -327,6 +340,7 @@ def test_a_voice_alone_leaves_the_body_to_another_driver() -> None:
     settings = SimulatedSettings(voice_only=True)
     assert [verb.name for verb in SimulatedRobot.offer(settings).verbs] == [
         "say",
+        "utter",
         "sound",
         "volume",
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import shutil
 import sys
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -12,16 +13,19 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from woz_drivers.sound.emotion_sound import cues
 from woz_drivers.sound.pcm_audio import decode, rms
 from woz_drivers.sound.wav import parse
 from woz_drivers.speech.driver import Speech
+from woz_drivers.speech.gibberish import gibberish, phonemes
 from woz_drivers.speech.settings import SpeechSettings
 from woz_drivers.speech.synthesis import file_names, spoken_text
 
 from tests.drivers.published_messages import BusJob, until
 from tests.drivers.speech_rig import SpeechRig, desk_in, say, say_arguments
 from tests.fakes.full_disk import full_disk
-from woz_tui.drivers.contract import DriverError, RejectedError, Written
+from woz_tui.drivers.contract import DriverError, RejectedError, Scope, Written
+from woz_tui.motion.body_feeds import VOICE
 from woz_tui.protocol.messages import Json, Notice, Reading
 
 
@@ -253,6 +257,70 @@ async def test_sound_files(rig: SpeechRig) -> None:
     with pytest.raises(RejectedError, match="no WAV file") as raised:
         await driver.perform(BusJob("sound", {"file": "song.mp3"}))
     assert raised.value.remedy.startswith("convert it: ffmpeg")
+
+
+def utter(**args: Json) -> BusJob:
+    return BusJob("utter", {"seconds": 0.5, "intensity": 1.0, "voice": "notes", "seed": 3, **args})
+
+
+async def test_a_mood_is_heard_at_the_volume_and_told(rig: SpeechRig) -> None:
+    driver = await rig.open()
+    job = utter(valence=0.9, arousal=0.4)
+    assert await driver.perform(job) == {
+        **{"voice": "notes", "valence": 0.9, "arousal": 0.4, "seed": 3},
+        **{"seconds": 0.5, "volume": 1.0},
+    }
+    assert job.announced == [0.5]
+    await driver.perform(BusJob("volume", {"level": 0.5}))
+    await driver.perform(utter(valence=0.9, arousal=0.4))
+    loud, soft = (float(str(line["peak"])) for line in rig.journal_entries("play"))
+    assert soft == pytest.approx(loud / 2, abs=2)
+
+
+async def test_a_stop_ends_a_sound_and_shuts_the_mouth(rig: SpeechRig) -> None:
+    driver = await rig.open()
+    mouth = rig.published.context.feed(VOICE)
+    sounding = asyncio.create_task(driver.perform(utter(emotion="happy", seconds=10.0)))
+    await until(lambda: bool(rig.journal_entries("play")))
+    await until(lambda: mouth.latest().value is not None and mouth.latest().value.levels)
+    await driver.stop(Scope.ALL)
+    assert sounding.cancelled()
+    assert rig.journal_entries("played") == []
+    assert mouth.latest().value.levels == ()
+
+
+async def test_what_is_said_moves_the_mouth_too(rig: SpeechRig) -> None:
+    rig.wav("long.wav", 3.0)
+    driver = await rig.open(recordings={"A long tale": "long.wav"})
+    mouth = rig.published.context.feed(VOICE)
+    telling = asyncio.create_task(driver.perform(say("A long tale")))
+    await until(lambda: mouth.latest().value is not None and mouth.latest().value.levels)
+    assert len(mouth.latest().value.levels) == 75
+    await driver.stop(Scope.ALL)
+    assert telling.cancelled()
+
+
+async def test_gibberish_without_espeak_ng_is_refused_by_name(
+    rig: SpeechRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    driver = await rig.open()
+    monkeypatch.setenv("PATH", str(rig.folder))
+    with pytest.raises(RejectedError, match="gibberish needs espeak-ng") as raised:
+        await driver.perform(utter(emotion="happy", voice="gibberish"))
+    assert "apt install espeak-ng" in raised.value.remedy
+
+
+@pytest.mark.skipif(shutil.which("espeak-ng") is None, reason="needs espeak-ng")
+async def test_gibberish_is_the_same_by_its_seed_and_quicker_when_excited(rig: SpeechRig) -> None:
+    spoken = [
+        await gibberish(cues(0.0, arousal), 3.0, seed, folder=rig.folder)
+        for arousal, seed in ((0.5, 1), (0.5, 1), (0.5, 2), (-0.5, 1))
+    ]
+    assert spoken[0] == spoken[1] != spoken[2]
+    assert 1.5 < spoken[0].seconds < 4.5
+    slow, quick = (phonemes(cues(0.0, arousal), 3.0, 1) for arousal in (-0.5, 0.5))
+    vowels = [sum(map(text.count, "aeiou")) for text in (slow, quick)]
+    assert vowels[0] / spoken[3].seconds < vowels[1] / spoken[0].seconds
 
 
 async def test_recordings_come_before_the_synthesiser(rig: SpeechRig) -> None:

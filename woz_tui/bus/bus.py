@@ -65,6 +65,11 @@ log = logging.getLogger(__name__)
 StopTask = asyncio.Task[StopReport | None]
 
 
+def as_given(verb: Verb | None, command: Command) -> Command:
+    """The command itself, where nobody fills anything in."""
+    return command
+
+
 class DrivingWatch(Protocol):
     """Knows who watches over what drives."""
 
@@ -90,6 +95,7 @@ class Bus:
         unrecorded: Says why a command that is published now is not recorded, so that it may not
             begin; empty: it is.
         folder: Where relative paths of commands start.
+        completed: A command with what the session fills in of a verb's arguments.
     """
 
     def __init__(
@@ -103,6 +109,7 @@ class Bus:
         unstopped: frozenset[str] = frozenset(),
         unrecorded: Callable[[], str] = str,
         folder: Path = Path(),
+        completed: Callable[[Verb | None, Command], Command] = as_given,
     ) -> None:
         self._hub = hub
         self._drivers = dict(drivers)
@@ -115,6 +122,7 @@ class Bus:
         self._unstopped = unstopped
         self._unrecorded = unrecorded
         self._folder = folder
+        self._completed = completed
         self._lanes: dict[tuple[str, str], Lane] = {}
         self._stopping: asyncio.Task[None] | None = None
         #: Drivers that did not confirm the last stop of everything.
@@ -164,7 +172,7 @@ class Bus:
         not be allowed to any more.
         """
         verb = self.verb(command.driver, command.verb)
-        command = _shown(verb, command)
+        command = _shown(verb, self._completed(verb, command))
         recorded = self._hub.publish(command)
         pending = PendingCommand(
             recorded,

@@ -111,6 +111,9 @@ class Verb:
     the rest is taken out before the driver gets it. None: every text is given as it is written.
     `needs_consent`: it has something remember the person whose name is the main argument, so that
     it is refused until they have consented (`FACE_CONSENT`); `learn_face` always does.
+    `by_mood`: it has the arguments `emotion`, `intensity`, `valence`, `arousal` and `seed` of the
+    common verb `utter`, and the session fills in what is missing before the command is recorded:
+    the mood of its emotion, or of the robot's face; a seed of its own.
     """
 
     name: str
@@ -125,6 +128,7 @@ class Verb:
     arrives: bool = False
     together: bool = False
     needs_consent: bool = False
+    by_mood: bool = False
     evidence: Evidence | Literal[""] = "timed"
     markup: tuple[str, ...] | None = None
 

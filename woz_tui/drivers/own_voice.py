@@ -110,9 +110,11 @@ class RobotSpeech:
 
 
 def is_robots(text: str, said: str) -> bool:
-    """Whether what was understood is what the robot said, rather than somebody's words."""
+    """Whether what was understood is what the robot said, rather than somebody's words. Where it
+    said nothing in words (`utter`), words do not tell.
+    """
     heard, own = _words(text), _words(said)
-    return not heard or _in_order(heard, own) >= ALIKE * len(heard)
+    return not heard or not own or _in_order(heard, own) >= ALIKE * len(heard)
 
 
 def visitors_words(words: Sequence[m.SpokenWord], said: str) -> list[m.SpokenWord]:

@@ -18,6 +18,7 @@ EYE_ANIMATIONS = ("steady", "blink", "intermittent")
 
 _ANGLE, _STEP = Range(-180, 180, "degrees"), Range(-90, 90, "degrees")
 _METRES, _TURN = Range(-5, 5, "m"), Range(-360, 360, "degrees")
+_UNIT, _BOTH, _SEED = Range(0, 1), Range(-1, 1), Range(0, 2**31 - 1)
 _SECONDS = Argument("seconds", "seconds", "0: as fast as it can", default=0.0)
 _YAW, _PITCH = "left is positive", "down is positive"
 
@@ -36,6 +37,20 @@ _VERBS = (
         (Argument("file", "file", "relative to the experiment's folder", required=True),),
         lane="sound",
         limit_s=600.0,
+    ),
+    Verb(
+        "utter",
+        "make a sound without words that goes with an emotion",
+        (
+            Argument("emotion", "choice", "which one; empty: that of the robot's face"),
+            Argument("seconds", "number", "how long", default=1.2, range=Range(0.2, 10, "s")),
+            Argument("intensity", "number", "0 neutral, 1 full", default=1.0, range=_UNIT),
+            Argument("valence", "number", "bad to good, in place of an emotion", range=_BOTH),
+            Argument("arousal", "number", "calm to excited, beside it", range=_BOTH),
+            Argument("seed", "whole", "the same one gives the same sound", range=_SEED),
+        ),
+        lane="voice",
+        by_mood=True,
     ),
     Verb(
         "volume",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -9,7 +10,7 @@ from woz_tui.motion.light_frames import LightFrame
 
 #: Topics of a body's feeds, and of those it reads.
 SETPOINTS, FACE, STATE = "setpoints", "face", "state"
-PRESENT, SEEN = "present", "seen"
+PRESENT, SEEN, VOICE = "present", "seen", "voice"
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +53,23 @@ class Sighting:
     x: float | None
     y: float | None
     size: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class VoiceLevels:
+    """Feed `voice` of a driver that speaks: how loud what began at `t_us` (CLOCK_MONOTONIC, in
+    microseconds) is, each `every` seconds, from 0 to 1, which is where it is loudest. Nothing is
+    said behind their end; empty: nothing is said now.
+    """
+
+    t_us: int = 0
+    every: float = 1.0
+    levels: tuple[float, ...] = ()
+
+    def at(self, now: float) -> float:
+        """How loud it is at `now`, in seconds of CLOCK_MONOTONIC."""
+        place = math.floor((now - self.t_us / 1e6) / self.every)
+        return self.levels[place] if 0 <= place < len(self.levels) else 0.0
 
 
 @dataclass(frozen=True, slots=True)

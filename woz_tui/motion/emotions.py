@@ -34,6 +34,9 @@ DIRECTIONS: Mapping[str, float] = {
     "friendly": 0.0,
 }
 
+#: Emotions that a sound or a face can be asked for by name, wherever they stand on the circle.
+FEELINGS = (NEUTRAL, *DIRECTIONS)
+
 #: Decimals of a degree that count; rounding of a scaled pair then never crosses a border.
 _DECIMALS = 6
 

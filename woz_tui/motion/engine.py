@@ -626,6 +626,10 @@ class Engine:
             controller.last_pose if isinstance(controller.source, LinearMotion) else controller.base
         )
 
+    def speak(self, level: float) -> None:
+        """The robot's voice is so loud now, 0..1: so wide is the mouth open."""
+        self._face.mouth = finite_number(level) or 0.0
+
     def state(self) -> BodyState:
         """What a control panel must know to agree with the body."""
         return BodyState(

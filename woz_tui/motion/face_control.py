@@ -75,6 +75,8 @@ class Blinks:
 # --------------------------------------------------------------------------------------------------
 
 NEUTRAL, CRASH = "neutral", "crash"
+#: A mouth opens in so many steps: more could not be told apart on lights.
+MOUTHS = 4
 _NO_OVERLAY = FaceOverlay()
 _NO_CHANGE = FaceChange()
 
@@ -95,6 +97,8 @@ class FaceControl:
         self.x, self.y = 0.0, 0.0
         self.brightness = 1.0
         self.blinks_by_itself = True
+        #: How wide the mouth is open, 0..1: as loud as the robot's voice is.
+        self.mouth = 0.0
         #: Where the eyes look while somebody else leads them: saccade following.
         self.led: tuple[float, float] | None = None
         self._blinks = Blinks(seed)
@@ -252,7 +256,8 @@ class FaceControl:
             lid = min(lid, max(0.0, face.lid))
         crash = self._overlay_crash if self._crash is None else self._crash
         return FaceState(
-            round(x, 3), round(y, 3), emotion, round(intensity, 3), round(lid, 3), crash
+            *(round(x, 3), round(y, 3), emotion, round(intensity, 3), round(lid, 3), crash),
+            mouth=round(self.mouth * MOUTHS) / MOUTHS,
         )
 
     def ended(self) -> list[EndedInput]:

@@ -257,6 +257,20 @@ def draw_mouth(place: EyeLayout, look: EyeShape) -> Lights:
     )
 
 
+def open_mouth(place: EyeLayout, opening: float) -> Lights:
+    """A mouth that speaks, `opening` (0 to 1) wide: as high as that, at least one light."""
+    if not opening > 0:
+        return frozenset()
+    nose, low = sum(place.columns) / 2, place.row + 2.2 * place.radius
+    across, down = 0.8 * place.radius, max(0.5, 0.7 * place.radius * min(1.0, opening))
+    return frozenset(
+        (x, y)
+        for x in range(place.width)
+        for y in range(place.height)
+        if ((x - nose) / (across + _ROUND)) ** 2 + ((y - low) / down) ** 2 <= 1
+    )
+
+
 def frame_of(place: EyeLayout, lights: Iterable[Light]) -> LightFrame:
     """The picture of these lights; those outside the matrix are left out."""
     rows = [0] * place.height
@@ -437,6 +451,7 @@ class FaceState:
         intensity: 0 (neutral) to 1.
         lid: 0 (closed: a line) to 1 (as open as the emotion has it).
         crash: Seconds since a breakdown began; from `CRASH_S` on it is over. None: there is none.
+        mouth: 0 (closed, not drawn) to 1 (wide open).
     """
 
     x: float = 0.0
@@ -445,6 +460,7 @@ class FaceState:
     intensity: float = 0.0
     lid: float = 1.0
     crash: float | None = None
+    mouth: float = 0.0
 
 
 def draw(state: FaceState, shape: FaceShape) -> LightFrame:
@@ -456,7 +472,8 @@ def draw(state: FaceState, shape: FaceShape) -> LightFrame:
     eyes, rest = _grown(place, state.emotion)[step]
     closing = squeezed(eyes, _within(state.lid, 0.0, 1.0, 1.0))
     across, down = _gaze(place, eyes | rest, state)
-    return frame_of(place, ((x + across, y + down) for x, y in closing | rest))
+    mouth = open_mouth(place, _within(state.mouth, 0.0, 1.0))
+    return frame_of(place, ((x + across, y + down) for x, y in closing | rest | mouth))
 
 
 def prepare(shape: FaceShape) -> None:

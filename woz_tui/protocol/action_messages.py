@@ -21,8 +21,8 @@ HANDS = frozenset(
 )
 #: The verb by which somebody consents to having their face learnt, or does not any more.
 FACE_CONSENT_VERB = "face_consent"
-#: Verbs with which a robot speaks.
-SPEAKING_VERBS = frozenset({"say"})
+#: Verbs with which a robot speaks, or makes the sounds of a voice.
+SPEAKING_VERBS = frozenset({"say", "utter"})
 #: Sources of what the robot does by itself, or does again.
 BY_ITSELF = frozenset({"engagement", "replay"})
 #: Sources that only a wizard's console has.

@@ -50,6 +50,7 @@ from woz_tui.session.driver_faults import DriverFaults
 from woz_tui.session.driver_manager import DriverManager, make_drivers, motionless
 from woz_tui.session.engagement_control import EngagementController
 from woz_tui.session.engagement_robot import EngagementRobot
+from woz_tui.session.face_moods import FaceMoods
 from woz_tui.session.participant_identity import SessionIdentity, check_not_withdrawn
 from woz_tui.session.prediction import Forecaster, Kept, predicted
 from woz_tui.session.recent_messages import RecentMessages, unlisted
@@ -165,6 +166,7 @@ class Session:
             unstopped=frozenset({ENGAGEMENT}),
             unrecorded=self.recorder.refusal,
             folder=self.experiment.path.parent,
+            completed=FaceMoods(self.hub, self.identity.seed).completed,
         )
         self.feeds.put_everywhere(ROBOT_SPEECH, self.state.said)
         self._driver_manager = DriverManager(self.drivers, self.hub, self.bus.disconnected)

@@ -75,6 +75,9 @@ class BodySettings(BodyShape):
         str, Sibling(), Doc("driver that moves the joints; empty: none, only shown on the screen")
     ] = ""
     camera: Annotated[str, Sibling(), Doc("camera for object tracking; empty: none")] = ""
+    voice: Annotated[
+        str, Sibling(), Doc("voice as loud as which the mouth is open; empty: no mouth moves")
+    ] = ""
     seed: Annotated[int, Range(0, 2**31), Doc("seed of blinks and other random movements")] = 1
 
     def problems(self) -> list[tuple[str, str]]:

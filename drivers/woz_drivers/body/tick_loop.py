@@ -23,11 +23,13 @@ from woz_tui.motion.body_feeds import (
     SEEN,
     SETPOINTS,
     STATE,
+    VOICE,
     BodyState,
     FacePicture,
     JointPositions,
     Setpoints,
     Sighting,
+    VoiceLevels,
 )
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.engine_io import EndedInput, InputResult, Tick
@@ -338,6 +340,7 @@ class BodyLoop:
         self._setpoints, self._face = context.feed(SETPOINTS), context.feed(FACE)
         self._state = context.feed(STATE)
         self._seen = context.feed(SEEN, of=settings.camera) if settings.camera else None
+        self._voice = context.feed(VOICE, of=settings.voice) if settings.voice else None
         self._seen_serial = 0
         self._sighting_known = False
         self._lit: FacePicture | None = None
@@ -443,13 +446,16 @@ class BodyLoop:
             self._publishing.lateness(self._lateness.recent())
 
     def _read_feeds(self, now: float) -> None:
-        """Take what servos and camera say."""
+        """Take what servos, voice and camera say."""
         if self._joining is not None:
             if self._touched:
                 self._joining.touched(now)
             place = self._joining.place(now, self.engine.state())
             if place is not None:
                 self.engine.restart(place)
+        if self._voice is not None:
+            voice = self._voice.latest().value
+            self.engine.speak(voice.at(now) if isinstance(voice, VoiceLevels) else 0.0)
         if self._seen is None:
             return
         newest = self._seen.latest()

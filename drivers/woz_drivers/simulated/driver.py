@@ -18,6 +18,7 @@ from woz_drivers.simulated.publishing import Publisher
 from woz_drivers.simulated.speech import Utterance, utterance, word_times
 from woz_drivers.simulated.verbs import SimulatedMove
 from woz_drivers.simulated.visitor import SimulatedVisitor
+from woz_drivers.sound import emotion_sound
 from woz_tui.drivers.argument_values import (
     color,
     did_you_mean,
@@ -46,7 +47,9 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.sound_feeds import NO_TALK
-from woz_tui.protocol.messages import Json
+from woz_tui.motion.body_feeds import VOICE, VoiceLevels
+from woz_tui.motion.emotions import NEUTRAL
+from woz_tui.protocol.messages import FaceShown, Json
 from woz_tui.system.tasks import end_tasks
 
 
@@ -132,10 +135,17 @@ class SimulatedRobot(Driver):
         )
         self._moves = verbs.playable_moves(settings)
         self._roles = verbs.roles(settings)
+        #: Its emotion and how strong that is, as it was told; the face as it was shown last.
+        self._expression = (NEUTRAL, 0.0)
+        self._face: FaceShown | None = None
+        #: How loud it is, for its own face, on the body's clock, and for that of another driver.
+        self._voice = VoiceLevels()
+        self._levels = context.feed(VOICE)
         self.volume = 0.7
         self.mode = settings.modes[0]
         self._performers: dict[str, Callable[[Job], Awaitable[Sent]]] = {
             "say": self._say,
+            "utter": self._utter,
             "sound": self._sound,
             "volume": self._set_volume,
             "play": self._play,
@@ -192,8 +202,7 @@ class SimulatedRobot(Driver):
             self._faults.add(fault.kind, fault.seconds, fault.part, now + fault.after)
         self.context.health(Health.CONNECTING, "simulated hardware")
         self._report_health(now)
-        if not self.settings.voice_only:
-            self.context.show(looks.face())
+        self._show_face()
         if self._microphone is not None:
             self._microphone.tell_threshold()
             self.context.sensor(SPEECH, "ready", "it reports speech by itself")
@@ -260,6 +269,7 @@ class SimulatedRobot(Driver):
         self._report_health(now)
         samples = self._visitor.step(self._world(now)) if self._visitor else []
         if self._failure(now) is None:
+            self._show_face()
             if not self.settings.voice_only:
                 self._publisher.body(self._body, now)
             self._publisher.samples(samples, now)
@@ -310,6 +320,24 @@ class SimulatedRobot(Driver):
             self._visitor.hear(self._world(self._pace.now()), spoken.seconds, spoken.text)
         await self._spend(job, spoken.seconds, marks=_word_marks(spoken))
         return {"text": spoken.text, "seconds": round(spoken.seconds, 3), "volume": self.volume}
+
+    async def _utter(self, job: Job) -> Sent:
+        """Makes no sound, but takes the time of one, and moves the mouth as that would."""
+        seconds, seed = job.args["seconds"], job.args.get("seed", 0)
+        valence, arousal = emotion_sound.mood(job.args)
+        levels = emotion_sound.voiced_level(
+            emotion_sound.emotion_sound(valence, arousal, seconds, seed), TICK
+        )
+        speed = self._rate(self._advance())
+        self._levels.put(VoiceLevels(self.context.clock.now_us(), TICK / speed, levels))
+        self._voice = VoiceLevels(round(self._body.now * 1e6), TICK, levels)
+        try:
+            await self._spend(job, seconds)
+        finally:
+            self._levels.put(VoiceLevels())
+            self._voice = VoiceLevels()
+            self._show_face()
+        return {**job.args, "valence": valence, "arousal": arousal, "seed": seed}
 
     async def _sound(self, job: Job) -> Sent:
         seconds = self._sound_seconds(job.args)
@@ -463,8 +491,18 @@ class SimulatedRobot(Driver):
     async def _emotion(self, job: Job) -> Sent:
         await self._spend(job, FACE_SECONDS)
         emotion, intensity = job.args["emotion"], job.args.get("intensity")
-        self.context.show(looks.face(emotion, 1.0 if intensity is None else intensity))
+        self._expression = (emotion, 1.0 if intensity is None else intensity)
+        self._show_face()
         return job.args
+
+    def _show_face(self) -> None:
+        """What the face expresses, with the mouth as its voice is; said on a change."""
+        if self.settings.voice_only:
+            return
+        shown = looks.face(*self._expression, self._voice.at(self._body.now))
+        if shown != self._face:
+            self._face = shown
+            self.context.show(shown)
 
     async def _eyes(self, job: Job) -> Sent:
         shown = color(job.args, "color")
@@ -516,6 +554,8 @@ class SimulatedRobot(Driver):
             case "sound":
                 seconds = self._sound_seconds(args)
                 marks = ()
+            case "utter":
+                seconds, marks = args["seconds"], ()
             case "emotion" | "eyes" | "screen":
                 seconds, marks = FACE_SECONDS if verb == "emotion" else SCREEN_SECONDS, ()
             case _:

@@ -40,7 +40,9 @@ def outline(settings: SimulatedSettings) -> dict[str, Json]:
     return {"kind": "body", "joints": joints, "eyes": eyes, "view": "x", "face": face}
 
 
-def face(emotion: str = NEUTRAL, intensity: float = 0.0) -> FaceShown:
-    """The face with this emotion; one that nobody knows looks neutral."""
-    frame = draw(FaceState(emotion=emotion, intensity=intensity), _FACE)
+def face(emotion: str = NEUTRAL, intensity: float = 0.0, mouth: float = 0.0) -> FaceShown:
+    """The face with this emotion; one that nobody knows looks neutral. `mouth`: how wide that is
+    open, 0 to 1.
+    """
+    frame = draw(FaceState(emotion=emotion, intensity=intensity, mouth=mouth), _FACE)
     return FaceShown(width=frame.width, rows=frame.hex, emotion=emotion, intensity=intensity)

@@ -19,6 +19,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb, known_by
+from woz_tui.motion.emotions import FEELINGS
 
 # -- moves ----------------------------------------------------------------------------------------
 # The gestures that `play` knows, as poses at fractions of their duration.
@@ -174,6 +175,7 @@ _VOICE = (
     common_verb(
         "say", "speak a sentence; tags for pauses and rate count", markup=("pause", "speed")
     ),
+    common_verb("utter", choices=FEELINGS),
     common_verb("sound"),
     common_verb("volume"),
 )

@@ -12,10 +12,12 @@ from typing import Any
 
 from woz_drivers.programs import child_process, command_lines
 from woz_drivers.programs.child_process import Child
-from woz_drivers.sound import live_talk
+from woz_drivers.sound import emotion_sound, live_talk
+from woz_drivers.sound.emotion_sound import mood
 from woz_drivers.sound.live_talk import LiveTalk, program_loudspeaker
 from woz_drivers.sound.wav import Wav
 from woz_drivers.speech import doctor
+from woz_drivers.speech.gibberish import gibberish
 from woz_drivers.speech.settings import VOICE_ARGUMENTS, SpeechSettings, voice_remarks
 from woz_drivers.speech.synthesis import (
     LONGEST_SPEECH_S,
@@ -47,6 +49,8 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_verbs import common_verb
+from woz_tui.motion.body_feeds import VOICE, VoiceLevels
+from woz_tui.motion.emotions import FEELINGS
 from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
 from woz_tui.system.tasks import end_tasks
@@ -72,10 +76,27 @@ _SAY = common_verb(
 #: A program that speaks by itself gets the words alone.
 _SAY_BY_ITSELF = replace(_SAY, markup=())
 _SOUND = common_verb("sound", "play a WAV file", evidence="reported")
+#: What `utter` sounds like.
+NOTES, GIBBERISH = "notes", "gibberish"
+_UTTER = common_verb(
+    "utter",
+    "",
+    Argument(
+        "voice",
+        "choice",
+        "notes, or syllables without a meaning",
+        default=NOTES,
+        choices=(NOTES, GIBBERISH),
+    ),
+    choices=FEELINGS,
+    evidence="reported",
+)
 _VOLUME = common_verb("volume", "set how loud the next sounds are", lane="volume", evidence="")
 #: A player that ends so long before its sound, and before the half of it, has not played it: it may
 #: end a little early, where the sound card has a buffer. In seconds.
 _EARLY_S = 0.5
+#: How long one opening of a mouth is, in seconds: two pictures of a body.
+_MOUTH_S = 0.04
 
 
 class Speech(Driver):
@@ -99,6 +120,7 @@ class Speech(Driver):
         self._resident_trouble: DriverError | None = None
         #: What could not be prepared, as `prepare_say` has it.
         self._unprepared: list[Mapping[str, Json]] = []
+        self._levels = context.feed(VOICE)
         self._jobs: set[asyncio.Task[Any]] = set()
         self._audible: set[Child] = set()
         self._talk: LiveTalk | None = None
@@ -116,12 +138,12 @@ class Speech(Driver):
 
     @classmethod
     def offer(cls, settings: Any) -> Offer:
-        """Speech, sound files, volume; a program that speaks by itself plays no files. How many
+        """Speech, sounds, volume; a program that speaks by itself plays no files. How many
         utterances are ready, how the program is that makes them, whether somebody talks.
         """
         made: SpeechSettings = settings
         volume = (_VOLUME,) if made.takes_volume or made.talk is not None else ()
-        plays = (_SAY_BY_ITSELF, *volume) if made.speak else (_SAY, _SOUND, *volume)
+        plays = (_SAY_BY_ITSELF, *volume) if made.speak else (_SAY, _SOUND, _UTTER, *volume)
         makes = (PREPARED, *((SYNTHESISER,) if made.resident_voice else ()))
         senses = () if made.speak else makes
         talk = live_talk.offered(made.talk)
@@ -209,6 +231,8 @@ class Speech(Driver):
                     return await self._speak(job, spoken_text(str(job.args["text"])))
                 case "say":
                     return await self._say(job, spoken_text(str(job.args["text"])))
+                case "utter":
+                    return await self._utter(job)
                 case "sound":
                     return await self._play_file(job, str(job.args["file"]))
             assert self._talk is not None  # else `talk` is not offered
@@ -221,6 +245,9 @@ class Speech(Driver):
         if verb == "sound":
             content = await asyncio.to_thread(read_wav, self.context.folder / str(args["file"]))
             return Forecast(content.seconds, ())
+        if verb == "utter":
+            known = args.get("voice") == NOTES
+            return Forecast(args["seconds"], ()) if known else Forecast()
         if verb != "say" or self.settings.speak:
             return Forecast() if verb == "say" else Forecast(0.0, ())
         choice = self._voice.choice(args)
@@ -365,7 +392,7 @@ class Speech(Driver):
                     map(len, parts[:following])
                 )
                 left_s = letters_s * sum(map(len, parts[following:]))
-                with _telling(job, utterance):
+                with _telling(job, utterance), self._moving_mouth(utterance.sound):
                     await self._play(job, utterance.path, utterance.sound, volume, left_s)
         finally:
             await end_tasks(*making)
@@ -376,6 +403,41 @@ class Speech(Driver):
             **{"text": markup.sentence(text), "delay": round((heard_us - asked_us) / 1_000_000, 3)},
             **({"words": words} if words else {}),
         }
+
+    async def _utter(self, job: Job) -> Mapping[str, Json]:
+        """A sound that goes with a mood: notes, or syllables without a meaning."""
+        args = job.args
+        valence, arousal = mood(args)
+        seconds, seed = args["seconds"], args.get("seed", 0)
+        if args["voice"] == GIBBERISH:
+            felt = emotion_sound.cues(valence, arousal)
+            sound = await gibberish(felt, seconds, seed, folder=self.context.folder)
+        else:
+            made = functools.partial(emotion_sound.emotion_sound, register=self.settings.register)
+            sound = await asyncio.to_thread(made, valence, arousal, seconds, seed)
+        with self._moving_mouth(sound):
+            await self._play(job, None, sound, self._volume)
+        return {
+            **{name: args[name] for name in ("emotion", "voice") if args.get(name)},
+            **{"valence": valence, "arousal": arousal, "seed": seed},
+            **{"seconds": round(sound.seconds, 3), "volume": self._volume},
+        }
+
+    @contextlib.contextmanager
+    def _moving_mouth(self, sound: Wav) -> Iterator[None]:
+        """While it sounds, have a face that follows this voice open its mouth as loud as it is."""
+        began_us = self.context.clock.now_us()
+
+        async def tell() -> None:
+            levels = await asyncio.to_thread(emotion_sound.voiced_level, sound, _MOUTH_S)
+            self._levels.put(VoiceLevels(began_us, _MOUTH_S, levels))
+
+        telling = asyncio.create_task(tell())  # beside the player, which is not to wait for it
+        try:
+            yield
+        finally:
+            telling.cancel()
+            self._levels.put(VoiceLevels())
 
     def _volume_of(self, job: Job) -> float:
         wanted = job.args.get("volume")

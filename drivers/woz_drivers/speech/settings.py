@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from woz_drivers.programs import command_lines
 from woz_drivers.programs.command_lines import Command
 from woz_drivers.programs.resident_program import resident_words
+from woz_drivers.sound.emotion_sound import REGISTER
 from woz_drivers.sound.live_talk import TalkSettings
 from woz_tui.drivers.contract import Argument, DriverError, Finding, Written
 from woz_tui.drivers.fields import Doc, Path, Range, Seconds, Section
@@ -151,6 +152,9 @@ class SpeechSettings(SynthesisSettings):
     """How text becomes sound, and how sound is played."""
 
     volume: Annotated[float, Range(0, 1), Doc("1 is as loud as the sound card is set")] = 1.0
+    register: Annotated[
+        float, Range(110, 1760, "Hz"), Doc("middle pitch of the sounds of `utter`")
+    ] = REGISTER
     device: Annotated[str, Doc("ALSA device for aplay, such as plughw:1,0")] = ""
     play: Annotated[Command, Doc("program that plays the file {wav}; default: aplay")] = ""
     speak: Annotated[

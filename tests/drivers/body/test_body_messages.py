@@ -18,7 +18,14 @@ from tests.drivers.body.rig import CALM, BodyRig, played_body, robot, small, wit
 from tests.fakes.virtual_time import run_virtual
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import Ask
-from woz_tui.motion.body_feeds import PRESENT, SEEN, JointPositions, Sighting
+from woz_tui.motion.body_feeds import (
+    PRESENT,
+    SEEN,
+    VOICE,
+    JointPositions,
+    Sighting,
+    VoiceLevels,
+)
 from woz_tui.motion.body_shape import FaceShape, JointShape, Personality
 from woz_tui.motion.builtin_moves import BUILT_IN
 from woz_tui.motion.engine_io import Tick
@@ -69,6 +76,31 @@ def test_the_face_is_shown_when_it_changes_and_is_what_the_lights_get(tmp_path: 
         assert len(rig.published.all(FaceShown)) == count
 
     played_body(tmp_path, story, face=FaceShape())
+
+
+def test_the_mouth_is_open_as_loud_as_the_voice_is(tmp_path: Path) -> None:
+    async def story(rig: BodyRig) -> None:
+        voice = rig.published.context.feed(VOICE, of="voice")
+        shut = rig.lit.frame
+        now_us = round(asyncio.get_running_loop().time() * 1e6)
+        voice.put(VoiceLevels(now_us, 0.2, (0.0, 0.3, 1.0)))
+        seen = []
+        for _ in range(3):
+            await rig.ticks(5)
+            seen.append(rig.lit.frame)
+            await rig.ticks(5)
+        lit = [sum(map(int.bit_count, frame.rows)) for frame in (shut, *seen)]
+        assert lit[0] == lit[1] < lit[2] < lit[3]
+        await rig.ticks(5)
+        assert rig.lit.frame == shut  # nothing is said behind the end
+        voice.put(VoiceLevels(now_us, 9.0, (1.0,)))
+        await rig.ticks(2)
+        assert rig.lit.frame != shut
+        voice.put(VoiceLevels())
+        await rig.ticks(2)
+        assert rig.lit.frame == shut
+
+    played_body(tmp_path, story, face=FaceShape(), voice="voice")
 
 
 @pytest.mark.toolkit("P5")

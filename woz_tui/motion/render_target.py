@@ -15,6 +15,7 @@ from woz_tui.drivers.contract import Argument, Driver, RejectedError
 from woz_tui.motion.body_shape import BodyShape, FaceShape
 from woz_tui.motion.body_verbs import BRIEF, body_verbs
 from woz_tui.motion.engine import Engine
+from woz_tui.motion.keyframes import KeyframeMove
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.rendering import (
     CUT_OFF,
@@ -82,6 +83,8 @@ class RenderTarget:
     driver: type[RenderedDriver]
     experiment: Experiment | None
     engine: Engine
+    #: A move that is played beside those of the body; None: there is none.
+    added: KeyframeMove | None = None
 
     @classmethod
     def of(
@@ -100,6 +103,18 @@ class RenderTarget:
         }
         spec, driver = bodies[_chosen(bodies, body, file)]
         return cls(spec, driver, experiment, driver.engine(spec.settings, seed=seed))
+
+    def with_move(self, move: KeyframeMove) -> RenderTarget:
+        """The same body, which can play this move, too; it takes the place of one of its name."""
+        self.engine.set_moves({**self.spec.settings.repertoire.moves, move.name: move})
+        return replace(self, added=move)
+
+    def keyframes(self, name: str) -> KeyframeMove | None:
+        """The move that is played as `name`, if it is made of frames."""
+        if self.added is not None and name == self.added.name:
+            return self.added
+        move = self.spec.settings.repertoire.moves.get(name) if name in self.playable else None
+        return move if isinstance(move, KeyframeMove) else None
 
     @property
     def body(self) -> str:
@@ -152,7 +167,7 @@ class RenderTarget:
                 seconds = min(max(IDLE_S, last), LONGEST_S)
                 if last > seconds:
                     tell(seconds, CUT_OFF)
-        elif name in self.playable:
+        elif name in self.playable or self.keyframes(name) is not None:
             steps = [(self._input("play", {"move": name}),)]
         elif action is not None:
             steps = [*self._steps(action, tell)]

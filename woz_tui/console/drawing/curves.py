@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from woz_tui.console.drawing.cells import fit
 from woz_tui.console.drawing.dot_canvas import DotCanvas, DotLayer
 from woz_tui.console.drawing.glyphs import UNICODE
 
 #: What a curve may lack without being drawn as lacking it.
 SEEN = 1.0
+#: A key frame that the joints reach in time, one that they do not, and one of a layer that is off.
+KEY, MISSED, OFF = "◆", "!", "◇"
 #: Cells left of a curve.
 _AXIS = 7
 
@@ -59,6 +62,19 @@ def chart(curve: Curve, width: int, height: int) -> list[str]:
         for label, row in zip(labels, canvas.rows(UNICODE), strict=True)
     ]
     return [f"{'':{_AXIS}} {curve.name}", *lines]
+
+
+def key_row(name: str, keys: Mapping[float, str], seconds: float, width: int) -> str:
+    """A line of signs at their times, by the same axis; of two in one cell the later one is seen,
+    but what is missed is never hidden.
+    """
+    cells = max(8, width - _AXIS - 1)
+    row = ["─"] * cells
+    for time, sign in sorted(keys.items()):
+        place = min(cells - 1, round(time / seconds * (cells - 1)) if seconds > 0 else 0)
+        if row[place] != MISSED:
+            row[place] = sign
+    return f"{fit(name, _AXIS, UNICODE.ellipsis):>{_AXIS}}┤{''.join(row)}"
 
 
 def time_axis(seconds: float, width: int) -> list[str]:

@@ -7,7 +7,8 @@ import itertools
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.rangefinder.wire import FRAMINGS, MAX_LINE, DistanceDecoder, Measurement
+from woz_drivers.lines.line_decoder import MAX_LINE
+from woz_drivers.rangefinder.wire import FRAMINGS, DistanceDecoder, Measurement
 
 from tests.fakes.rangefinder import a02, maxbotix, tfmini
 

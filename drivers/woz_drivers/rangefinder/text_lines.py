@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from woz_drivers.lines.line_decoder import LineError
+
 #: So many characters of a line are quoted.
 _QUOTED = 40
 _UNITS = {"mm": "mm", "cm": "cm", "m": "m", "in": "in", "inch": "in", "inches": "in", '"': "in"}
@@ -20,14 +22,6 @@ _NUMBER = re.compile(
 )
 #: `Distance (cm):`, `dist_mm=`, `distance in cm`
 _LABELLED = re.compile(r"(?:[(\[] *|_|\bin )(mm|cm|m|in|inch|inches)(?![^\W_])", re.IGNORECASE)
-
-
-class LineError(ValueError):
-    """A line without a distance; `remedy`: what to do about it."""
-
-    def __init__(self, what: str, remedy: str) -> None:
-        super().__init__(what)
-        self.remedy = remedy
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,15 +14,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from woz_drivers.rangefinder.text_lines import LineError, distance_in
+from woz_drivers.lines.line_decoder import LineDecoder, LineError
+from woz_drivers.rangefinder.text_lines import distance_in
 
 #: Metres in one unit.
 METRES: Mapping[str, float] = {"mm": 0.001, "cm": 0.01, "in": 0.0254, "m": 1.0}
 UNITS = tuple(METRES)
-
-#: A line longer than this, in bytes, is noise.
-MAX_LINE = 160
-_LINES_REMEDY = "check framing and baud; an Arduino ends a line with println"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,56 +50,6 @@ class DistanceDecoder(Protocol):
     def feed(self, data: bytes) -> list[Measurement]:
         """The measurements that `data` completes, in order."""
         ...
-
-
-class LineDecoder:
-    """Text that ends with CR, LF or both.
-
-    `read(line)` gives what a line says, or raises `LineError`. `first_line`: whether the line under
-    way at the moment of connecting can be trusted; a tail such as `23` of `123` cannot be told from
-    a reading.
-    """
-
-    def __init__(self, read: Callable[[bytes], Measurement], first_line: bool) -> None:
-        self.bad = 0
-        self.trouble = ("", "")
-        self._read = read
-        self._line = bytearray()
-        self._skipping = not first_line
-
-    def feed(self, data: bytes) -> list[Measurement]:
-        """The measurements that `data` completes, in order."""
-        found = []
-        for byte in data:
-            if byte in b"\r\n":
-                measurement = self._end_of_line()
-                if measurement is not None:
-                    found.append(measurement)
-            elif not self._skipping:
-                self._line.append(byte)
-                if len(self._line) > MAX_LINE:
-                    self._is_bad(f"no line ends within {MAX_LINE} bytes", _LINES_REMEDY)
-                    self._line.clear()
-                    self._skipping = True
-        return found
-
-    def _end_of_line(self) -> Measurement | None:
-        line = bytes(self._line).strip()
-        self._line.clear()
-        if self._skipping:
-            self._skipping = False
-            return None
-        if not line:
-            return None
-        try:
-            return self._read(line)
-        except LineError as error:
-            self._is_bad(str(error), error.remedy)
-            return None
-
-    def _is_bad(self, what: str, remedy: str) -> None:
-        self.bad += 1
-        self.trouble = (what, remedy)
 
 
 class FrameDecoder:

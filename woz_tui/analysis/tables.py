@@ -323,7 +323,8 @@ EVENTS: TableDefinition[Any] = TableDefinition(
         _text("driver", "name of the driver"),
         _text(
             "source",
-            "who asked: key, script, palette, midi, gamepad, stream-deck, program, phase, "
+            "who asked: key, script, palette, midi, gamepad, stream-deck, spacemouse, "
+            "wii-remote, imu, program, phase, "
             "engagement, replay; of a command also driver",
         ),
         _text("key", "the key that was pressed"),
@@ -445,7 +446,8 @@ ACTIONS: TableDefinition[tuple[PartFigures, ActionCount]] = TableDefinition(
         _count("panel", "title of the panel", lambda it: it.panel or None, "string"),
         _count(
             "source",
-            "who asked: key, script, palette, midi, gamepad, stream-deck, program, phase, "
+            "who asked: key, script, palette, midi, gamepad, stream-deck, spacemouse, "
+            "wii-remote, imu, program, phase, "
             "engagement, replay",
             *(lambda it: it.source or None, "string"),
         ),

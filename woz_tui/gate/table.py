@@ -33,7 +33,7 @@ from woz_tui.gate.questions import (
     SubmitCommand,
 )
 from woz_tui.protocol import requests as r
-from woz_tui.protocol.action_messages import BY_PERSON, FACE_CONSENT_VERB
+from woz_tui.protocol.action_messages import BY_PERSON, FACE_CONSENT_VERB, HAND_DEVICES
 from woz_tui.protocol.messages import Command, Json
 from woz_tui.protocol.panel_players import panel_players, player_names, verb_players
 from woz_tui.protocol.panels import covers_verb
@@ -78,7 +78,7 @@ Undone = str | Callable[[Any], str]
 #: Requests that may wait for their moment, and how far it may be away, in microseconds.
 MOST_SCHEDULED, FURTHEST_US = 256, 86_400_000_000
 #: Sources of what lies on a control that says itself when it is let go.
-SWITCHES = frozenset({"midi", "gamepad", "stream-deck"})
+SWITCHES = frozenset({"midi", *HAND_DEVICES})
 
 #: Remedies: of a press that came too late, where nobody watches, where only a held key drives,
 #: where nothing is recorded.

@@ -23,6 +23,7 @@ from woz_tui.host.client_connection import ClientConnection, part_text, take_ove
 from woz_tui.host.dead_man_switch import DeadManSwitch
 from woz_tui.host.picture_service import PictureService
 from woz_tui.host.sound_service import SoundService
+from woz_tui.protocol.action_messages import HAND_DEVICES
 from woz_tui.protocol.messages import (
     ActionDone,
     ActionEnd,
@@ -75,7 +76,7 @@ log = logging.getLogger(__name__)
 
 #: Sources of what the robot process, its drivers and its re-runs do by themselves: no console's.
 NOT_OF_CLIENTS = frozenset(
-    {"engagement", "replay", "phase", "midi", "gamepad", "stream-deck", "driver", "body"}
+    {"engagement", "replay", "phase", "midi", *HAND_DEVICES, "driver", "body"}
 )
 #: What takes its time, because it reads files or asks devices.
 Slow = AskReload | AskKeepTyped | AskPredict | AskPreflight

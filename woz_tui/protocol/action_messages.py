@@ -14,11 +14,11 @@ from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
 
 #: Verbs with which a robot shows by itself how the engagement model stands.
 SIGNALS = frozenset({"eyes", "screen", "sound"})
+#: Devices that `woz hands` reads, as sources: each says by itself when it is let go.
+HAND_DEVICES = ("gamepad", "stream-deck", "spacemouse", "wii-remote", "imu")
 #: Sources of what a hand asks for, or a program in its place; `phase` is what begins with a phase
 #: that a hand chose. A body that asks for the sound of a move is none.
-HANDS = frozenset(
-    {"key", "script", "palette", "midi", "gamepad", "stream-deck", "program", "phase"}
-)
+HANDS = frozenset({"key", "script", "palette", "midi", *HAND_DEVICES, "program", "phase"})
 #: The verb by which somebody consents to having their face learnt, or does not any more.
 FACE_CONSENT_VERB = "face_consent"
 #: Verbs with which a robot speaks, or makes the sounds of a voice.
@@ -54,8 +54,8 @@ def is_by_hand(source: str, key: str) -> bool:
 class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"):
     """Somebody asked for an action by name: one press, from which one or more commands follow.
 
-    `source` is key, script, palette, midi, gamepad, stream-deck, program, phase, engagement or
-    replay; `console` names the connection it came over. `run` ties the action's commands and its
+    `source` is key, script, palette, midi, gamepad, stream-deck, spacemouse, wii-remote, imu,
+    program, phase, engagement or replay; `console` names the connection it came over. `run` ties the action's commands and its
     end together. `without`: verbs, and arguments such as `play.speed`, that this robot does not do
     of it. `edited`: its sentence was typed anew before it was said, this once.
     """

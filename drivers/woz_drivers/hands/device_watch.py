@@ -1,4 +1,4 @@
-"""Finds the gamepads and Stream Decks of this computer, opens them, and finds them again."""
+"""Finds the devices of this computer, opens them, and finds them again."""
 
 from __future__ import annotations
 
@@ -7,10 +7,21 @@ import contextlib
 from collections.abc import Callable, Collection, Iterator
 from typing import Any
 
-from woz_drivers.hands.device_models import DEVICES, GAMEPAD, STREAM_DECK
+from woz_drivers.hands.device_models import (
+    DEVICES,
+    GAMEPAD,
+    IMU,
+    SPACEMOUSE,
+    STREAM_DECK,
+    WII_REMOTE,
+)
+from woz_drivers.hands.event_listing import WII_ACCELEROMETER, EventDevice, present_event_devices
 from woz_drivers.hands.gamepad import Gamepad, device_name, present_gamepads
 from woz_drivers.hands.hand_device import HandDevice
+from woz_drivers.hands.imu import Imu
+from woz_drivers.hands.spacemouse import EventMouse, SpacenavMouse, is_socket, present_socket
 from woz_drivers.hands.stream_deck import StreamDeckKeys, find_decks
+from woz_drivers.hands.wii_remote import WiiRemote
 from woz_tui.drivers.contract import DeviceLostError
 
 #: How often devices are looked for, in seconds.
@@ -52,18 +63,50 @@ class DeviceWatch:
         for device in list(self.devices):
             if isinstance(device, StreamDeckKeys) and not device.open:
                 device.on_lost("unplugged")
+        if SPACEMOUSE in kinds:
+            self._look_for_spacenavd()
+        if SPACEMOUSE in kinds or WII_REMOTE in kinds:
+            self._look_for_event_devices(kinds)
+        if IMU in kinds:
+            for path in self._named(IMU):
+                self._open(path, Imu, path)
         if GAMEPAD in kinds:
             self._look_for_gamepads()
         if STREAM_DECK in kinds:
             await self._look_for_decks()
 
     def _look_for_gamepads(self) -> None:
-        paths = [path for path in self._wanted if "/" in path]
         listed = [path for path in present_gamepads() if self._fits(path, device_name(path))]
-        for path in dict.fromkeys((*paths, *listed)):
-            if not self._has(path):
-                with self._trouble_told():
-                    self._add(Gamepad(path))
+        for path in dict.fromkeys((*self._named(GAMEPAD), *listed)):
+            self._open(path, Gamepad, path)
+
+    def _look_for_spacenavd(self) -> None:
+        there = present_socket()
+        named = self._named(SPACEMOUSE)
+        for path in named or ([there] if there and self._fits(there, "spacenavd") else []):
+            self._open(path, SpacenavMouse, path)
+
+    def _look_for_event_devices(self, kinds: Collection[str]) -> None:
+        """What spacenavd reads, it has for itself."""
+        by_spacenavd = any(isinstance(device, SpacenavMouse) for device in self.devices)
+        listed = list(present_event_devices())
+        for each in listed:
+            kind = each.kind
+            if kind not in kinds or not self._fits(each.path, each.name):
+                continue
+            if kind == SPACEMOUSE and not by_spacenavd:
+                self._open(each.path, EventMouse, each.path, each.name)
+            elif kind == WII_REMOTE:
+                self._open(each.path, WiiRemote, each.name, each.path, _accelerometer(each, listed))
+
+    def _named(self, kind: str) -> list[str]:
+        """The paths that were asked for and are of this kind, as far as a path tells that."""
+        return [path for path in self._wanted if "/" in path and _kind_of(path) == kind]
+
+    def _open(self, path: str, make: Callable[..., HandDevice], *arguments: str) -> None:
+        if not self._has(path):
+            with self._trouble_told():
+                self._add(make(*arguments))
 
     async def _look_for_decks(self) -> None:
         decks: list[Any] = []
@@ -107,3 +150,26 @@ class DeviceWatch:
             if error.what not in self._troubles:
                 self._troubles.add(error.what)
                 self.on_trouble(error.what, error.remedy)
+
+
+def _kind_of(path: str) -> str:
+    """By its name; what the kernel lists says itself what it is."""
+    name = path.rpartition("/")[2]
+    if is_socket(path):
+        return SPACEMOUSE
+    if name.startswith("event"):
+        return ""
+    serial = name.startswith("tty") or "/serial/" in path or "@" in name
+    return IMU if serial else GAMEPAD
+
+
+def _accelerometer(buttons: EventDevice, listed: Collection[EventDevice]) -> str:
+    """That of the same Wii Remote."""
+    return next(
+        (
+            each.path
+            for each in listed
+            if each.name == WII_ACCELEROMETER and each.hardware == buttons.hardware
+        ),
+        "",
+    )

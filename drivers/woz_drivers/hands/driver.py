@@ -1,25 +1,26 @@
-"""The driver: from what hands do at a gamepad or a Stream Deck to what is asked of the session."""
+"""The driver: from what hands do at a device to what is asked of the session."""
 
 from __future__ import annotations
 
 import asyncio
 import difflib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 from woz_drivers.hands import doctor
+from woz_drivers.hands.axis_groups import (
+    AxisGroup,
+    RateGroup,
+    StickGroup,
+    function_of,
+    panel_value,
+)
 from woz_drivers.hands.device_models import STICKS
 from woz_drivers.hands.device_watch import DeviceWatch
-from woz_drivers.hands.settings import (
-    LEAST_EVERY_S,
-    HandControl,
-    HandsSettings,
-    mapped_controls,
-)
+from woz_drivers.hands.settings import HandsSettings, mapped_controls
 from woz_drivers.panels.control_functions import MappedControl
 from woz_drivers.panels.control_panel import ControlPanel, drawn_control
-from woz_drivers.panels.control_requests import RequestQueue
 from woz_tui.drivers.contract import (
     Ask,
     DriverContext,
@@ -38,110 +39,10 @@ from woz_tui.protocol.messages import Json
 PULLED = 0.5
 #: A trigger that is pulled no further is at rest.
 TRIGGER_REST = 0.05
-#: Steps under way at once: one is replaced by the next.
-_STEPS_AT_ONCE = 4
-
-
-class StickGroup:
-    """Axes that set arguments of the same verb, such as both of a stick: they ask for it together.
-
-    With `every` it asks for steps, again and again while an axis is away from its middle, and what
-    is left of them is cut short when the stick comes back; else it sets a value whenever it moves.
-    The newest values count: what could not be sent yet is replaced by them.
-
-    Args:
-        axes: The axes.
-        asking: Asks the session.
-        now_us: The session's clock.
-        on_refusal: Told what moves nothing, and why.
-    """
-
-    def __init__(
-        self,
-        axes: list[MappedControl],
-        asking: Callable[[Ask, Callable[[bool, str], None]], None],
-        now_us: Callable[[], int],
-        on_refusal: Callable[[str, str], None],
-    ) -> None:
-        self.axes = axes
-        self._on_refusal = on_refusal
-        self._function = _function(axes[0])
-        self.hold = self._function.hold
-        self.every_us = round(self._function.every * 1_000_000)
-        stems = {axis.name.removesuffix("-x").removesuffix("-y") for axis in axes}
-        self._key = stems.pop() if len(stems) == 1 else "+".join(axis.name for axis in axes)
-        self._asking = asking
-        self._now_us = now_us
-        self._queue = RequestQueue(self._send, _STEPS_AT_ONCE if self.every_us else 1)
-        self._sent: dict[str, float] = {}
-        self._sent_us = 0
-        #: Whether steps may be under way.
-        self.active = False
-        #: Set by a refusal: it counts again when the stick has been let go.
-        self.refused = False
-
-    def look(self, values: Mapping[str, float], *, held: bool) -> None:
-        """Ask for what `values` say, by axis, -1..1 or 0..1; `held`: the dead man's button is."""
-        moved = {axis.name: values.get(axis.name, 0.0) for axis in self.axes}
-        away = any(moved.values())
-        if not away:
-            self.refused = False
-        if self.hold and not held:
-            self.refused = False
-            self.end("the dead man's button was let go")
-            return
-        if self.refused:
-            return
-        if self.every_us:
-            self._step(moved, away=away)
-        elif moved != self._sent and (away or self._sent):
-            self._sent = moved
-            self._queue.send(self._request(moved))
-
-    def _step(self, moved: dict[str, float], *, away: bool) -> None:
-        if not away:
-            self.end("the stick was let go")
-            return
-        since_us = self._now_us() - self._sent_us
-        due_us = self.every_us if moved == self._sent else LEAST_EVERY_S * 1_000_000
-        if self.active and since_us < due_us:
-            return
-        self.active = True
-        self._sent, self._sent_us = moved, self._now_us()
-        self._queue.send(self._request(moved, when_busy="replace"))
-
-    def end(self, why: str) -> None:
-        """Nothing more of it: what is left of its steps is cut short."""
-        self._sent = {}
-        if self.active:
-            self.active = False
-            first = self.axes[0]
-            self._asking(
-                Ask("cancel", why, source=first.source, key=self._key), lambda carried, why: None
-            )
-
-    def _request(self, moved: Mapping[str, float], *, when_busy: str = "") -> Ask:
-        args: dict[str, Json] = dict(self._function.args)
-        for axis in self.axes:
-            args |= axis.turned(axis.place(_panel_value(axis.name, moved[axis.name]))).args
-        ask = self.axes[0].turned(0.0)
-        return replace(ask, args=args, key=self._key, when_busy=when_busy)
-
-    def _send(self, ask: Ask, done: Callable[[bool, str], None]) -> None:
-        def ended(carried: bool, why: str) -> None:
-            # What a newer one replaced has no reason; what was cut short is over anyway.
-            if not carried and why and (self.active or not self.every_us):
-                if not self.refused:
-                    self._on_refusal(f"{self._key} ({ask.name})", why)
-                self.refused = True
-                self.active = False
-            done(carried, why)
-
-        self._asking(ask, ended)
 
 
 class HandsPanel(ControlPanel):
-    """A gamepad or a Stream Deck in front of one robot; see `docs/how-to/hands.md`.
+    """A device in a hand, in front of one robot; see `docs/how-to/hands.md`.
 
     Whatever is held when the hand is lost (unplugged, cut off, silent for longer than `hold`), the
     stop is pressed or the line was too slow, counts as let go; it counts again once it has been at
@@ -149,9 +50,9 @@ class HandsPanel(ControlPanel):
     """
 
     Settings = HandsSettings
-    summary = "a gamepad, a Stream Deck or pedals, on this computer or on the wizard's"
+    summary = "a gamepad, Stream Deck, 6-D mouse, Wii Remote or motion sensor, here or elsewhere"
     facts = DriverFacts(
-        needs="a gamepad or a Stream Deck where woz hands runs",
+        needs="such a device where woz hands runs",
         page="docs/how-to/hands.md",
     )
     settings: HandsSettings
@@ -167,16 +68,20 @@ class HandsPanel(ControlPanel):
         self._spent: set[str] = set()
         self._heard_us = 0
         self._age_us = 0
-        groups: dict[tuple[str, str, str, float], list[MappedControl]] = {}
+        groups: dict[tuple[str, ...], list[MappedControl]] = {}
         for it in controls:
             if not it.pressed and not it.free and not self._is_knob(it):
-                function = _function(it)
-                same = (function.verb, it.on, function.hold, function.every)
+                function = function_of(it)
+                kind = "rate" if function.rate else str(function.every)
+                same = (function.verb, function.control, it.on, function.hold, kind)
                 groups.setdefault(same, []).append(it)
-        self._groups = [
-            StickGroup(axes, self._ask, self._now_us, self._tell_refusal)
-            for axes in groups.values()
-        ]
+        self._groups = [self._group(axes) for axes in groups.values()]
+
+    def _group(self, axes: list[MappedControl]) -> AxisGroup:
+        asking, now_us, refused = self._ask, self._now_us, self._tell_refusal
+        if function_of(axes[0]).rate:
+            return RateGroup(axes, asking, now_us, refused, self._present)
+        return StickGroup(axes, asking, now_us, refused)
 
     # -- what the class tells ------------------------------------------------------------------
 
@@ -187,7 +92,7 @@ class HandsPanel(ControlPanel):
         """
         kept: HandsSettings = settings
         mapped = mapped_controls(kept)
-        held = {_function(it).hold for it in mapped}
+        held = {function_of(it).hold for it in mapped}
         used = {it.name for it in mapped if not it.free}
         offered = super().offer(settings)
         return replace(
@@ -317,8 +222,8 @@ class HandsPanel(ControlPanel):
             value = self._beyond_dead_zone(value)
         elif it.pressed:
             value = float(value > PULLED)
-        place = _panel_value(name, value)
-        hold = _function(it).hold
+        place = panel_value(name, value)
+        hold = function_of(it).hold
         if name in self._knobs and hold and not self._is_held(hold):
             self._moved[name] = round(place)
             return
@@ -344,7 +249,12 @@ class HandsPanel(ControlPanel):
             group.look(values, held=self._is_held(group.hold))
 
     def _is_knob(self, it: MappedControl) -> bool:
-        return bool(it.mapped.control)
+        return bool(it.mapped.control) and not function_of(it).rate
+
+    def _present(self, it: MappedControl) -> float | None:
+        """Where a control of the body stands."""
+        state = self._state(it.on)
+        return None if state is None else state.controls.get(it.mapped.control)
 
     # -- let go --------------------------------------------------------------------------------
 
@@ -394,18 +304,6 @@ class HandsPanel(ControlPanel):
             done(True, "")  # `woz hands` has sent it already, by the shorter way
             return
         super()._ask(replace(ask, age_us=self._age_us) if self._age_us else ask, done)
-
-
-def _function(it: MappedControl) -> HandControl:
-    assert isinstance(it.mapped, HandControl)
-    return it.mapped
-
-
-def _panel_value(name: str, value: float) -> float:
-    """What a control says on the scale of panels, 0..127, on which a stick rests at 64."""
-    if name not in STICKS:
-        return value * 127
-    return 64 + value * (64 if value < 0 else 63)
 
 
 def _outlined(it: MappedControl, *, holds: bool) -> dict[str, Json]:

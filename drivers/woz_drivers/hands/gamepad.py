@@ -5,7 +5,6 @@ Source: Linux, "input/joydev/joystick-api.rst" (records, ioctls) and "input/game
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import fcntl
 import os
@@ -14,7 +13,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from woz_drivers.hands.device_models import GAMEPAD
+from woz_drivers.hands.event_listing import other_kind
 from woz_drivers.hands.hand_device import HandDevice
+from woz_drivers.hands.record_reader import RecordReader, open_device
 from woz_tui.drivers.contract import DeviceLostError
 
 DEV = Path("/dev/input")
@@ -37,6 +38,8 @@ _BUTTON_NAMES = {
     **{0x13D: "left-stick", 0x13E: "right-stick"},
     **{0x220: "up", 0x221: "down", 0x222: "left", 0x223: "right"},
 }
+#: Codes of buttons by which the kernel says what a device is (BTN_GAMEPAD, BTN_JOYSTICK).
+_GAMEPAD_BUTTONS, _JOYSTICK_BUTTONS = range(0x130, 0x140), range(0x120, 0x130)
 #: The order of an Xbox pad, for what is no device: a FIFO, a recording.
 _PLAIN_AXES: tuple[int, ...] = (_X, _Y, _Z, _RX, _RY, _RZ, _HAT_X, _HAT_Y)
 _PLAIN_BUTTONS: tuple[int, ...] = (
@@ -77,63 +80,59 @@ def _kernel_driver(path: str) -> str:
     return ""
 
 
+def why_no_gamepad(path: str, name: str, buttons: Sequence[int]) -> DeviceLostError | None:
+    """Why this device is none, in spite of what the joystick interface makes of it; None: it is.
+
+    A 6-D mouse and a Wii Remote's sensors have axes with the numbers of sticks and triggers. What
+    has a button of a gamepad or a joystick is one.
+    """
+    if (kind := other_kind(name)) != "":
+        remedy = f"a panel with `device: {kind}` reads it, by another way"
+    elif any(code in _GAMEPAD_BUTTONS or code in _JOYSTICK_BUTTONS for code in buttons):
+        return None
+    else:
+        remedy = "none of its buttons is one of a gamepad; docs/how-to/hands.md has what is known"
+    return DeviceLostError(f"{path}: {name or 'this device'} is no gamepad", remedy)
+
+
 class Gamepad(HandDevice):
-    """A gamepad that is open. Raises `DeviceLostError` if it cannot be opened."""
+    """A gamepad that is open. Raises `DeviceLostError` if it cannot be opened, or is none."""
 
     def __init__(self, path: str) -> None:
-        flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC
-        try:
-            self._fd = os.open(path, flags)
-        except PermissionError as error:
-            raise DeviceLostError(
-                f"no permission to open {path}", "sudo usermod -aG input $USER, then log in again"
-            ) from error
-        except OSError as error:
-            raise DeviceLostError(f"{path} cannot be opened: {error.strerror}") from error
+        fd = open_device(path)
         axes, buttons = _PLAIN_AXES, _PLAIN_BUTTONS
         name = ""
         with contextlib.suppress(OSError):  # no device
-            reply = fcntl.ioctl(self._fd, _NAME, bytes(128))
+            reply = fcntl.ioctl(fd, _NAME, bytes(128))
             name = reply.split(b"\0")[0].decode("utf-8", "replace")
-            axes, buttons = _codes(self._fd)
+            axes, buttons = _codes(fd)
+        if (refusal := why_no_gamepad(path, name, buttons)) is not None:
+            os.close(fd)
+            raise refusal
         super().__init__(GAMEPAD, name or Path(path).name, path)
         self._axes = axis_names(axes)
         self._buttons = button_names(buttons, self.name, _kernel_driver(path))
         #: A trigger that is an axis and a button is read as the axis.
         self._pulled = set(self._axes.values())
-        self._rest = b""
+        self._reader = RecordReader(fd, RECORD, self._take, self._ended)
         if name:  # how it stands when it is plugged in: nobody has pressed that
-            self._read()
-        asyncio.get_running_loop().add_reader(self._fd, self._read)
+            self._reader.read()
 
     def close(self) -> None:
         """Let go of it."""
-        if self._fd >= 0:
-            asyncio.get_running_loop().remove_reader(self._fd)
-            os.close(self._fd)
-            self._fd = -1
+        self._reader.close()
 
-    def _read(self) -> None:
-        try:
-            data = os.read(self._fd, 64 * RECORD.size)
-        except BlockingIOError:
-            return
-        except OSError:
-            data = b""
-        if not data:
-            self.close()
-            self.on_lost("unplugged")
-            return
-        data = self._rest + data
-        whole = len(data) - len(data) % RECORD.size
-        self._rest = data[whole:]
-        for _, value, kind, number in RECORD.iter_unpack(data[:whole]):
-            if kind & ~INIT == AXIS_TYPE and number in self._axes:
-                self._axis(self._axes[number], value)
-            elif kind & ~INIT == BUTTON_TYPE:
-                name = self._buttons.get(number, "")
-                if name and name not in self._pulled:
-                    self.move(name, float(bool(value)))
+    def _ended(self) -> None:
+        self.on_lost("unplugged")
+
+    def _take(self, record: tuple[int, ...]) -> None:
+        _, value, kind, number = record
+        if kind & ~INIT == AXIS_TYPE and number in self._axes:
+            self._axis(self._axes[number], value)
+        elif kind & ~INIT == BUTTON_TYPE:
+            name = self._buttons.get(number, "")
+            if name and name not in self._pulled:
+                self.move(name, float(bool(value)))
 
     def _axis(self, name: str, value: int) -> None:
         share = max(-1.0, value / _FULL)

@@ -1,4 +1,4 @@
-"""What a robot file may say about a gamepad or a Stream Deck."""
+"""What a robot file may say about a device in the wizard's hands."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LEAST_EVERY_S = 0.2
 
 @dataclass(frozen=True, slots=True)
 class HandControl(ControlFunction):
-    """What one control of a gamepad or a Stream Deck does."""
+    """What one control of a device does."""
 
     hold: Annotated[
         str, Doc("dead man's button: a stick counts only while this button is held")
@@ -36,11 +36,19 @@ class HandControl(ControlFunction):
         Seconds(0.0, 10.0),
         Doc("asks again so often while the stick is away from its middle; 0: only when it moves"),
     ] = 0.0
+    rate: Annotated[
+        float,
+        Range(0.0, 1000.0),
+        Doc(
+            "moves the value for as long as the stick is away from its middle, at most so much of"
+            " it a second; 0: the stick's place is the value"
+        ),
+    ] = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class HandsSettings(Section):
-    """What a robot file may say about a gamepad or a Stream Deck."""
+    """What a robot file may say about a device in the wizard's hands."""
 
     device: Annotated[str, OneOf(DEVICES), Doc("what is in the wizard's hands")] = GAMEPAD
     controls: Annotated[dict[str, HandControl], Doc("control -> what it does")] = field(
@@ -85,7 +93,7 @@ class HandsSettings(Section):
             elif mapped.hold == name:
                 yield f"{path}.hold", "the dead man's button is another control than the stick"
             if kind == BUTTON:
-                for field_name in ("hold", "every"):
+                for field_name in ("hold", "every", "rate"):
                     if getattr(mapped, field_name):
                         yield f"{path}.{field_name}", "is for sticks and triggers"
                 if mapped.verb == _DRIVE:
@@ -95,6 +103,18 @@ class HandsSettings(Section):
                 yield path, f"driving needs {missing}: hold: left-bumper, every: 1"
             elif 0 < mapped.every < LEAST_EVERY_S:
                 yield f"{path}.every", f"at least {LEAST_EVERY_S} s"
+            elif mapped.rate:
+                yield from _rate_problems(path, mapped)
+
+
+def _rate_problems(path: str, mapped: HandControl) -> Iterator[tuple[str, str]]:
+    """Of what moves a value instead of being one."""
+    if mapped.every:
+        yield f"{path}.rate", "steps or a rate: leave out every, or rate"
+    if not mapped.hold:
+        yield path, "a rate needs a dead man's button: hold: left-bumper"
+    if mapped.take_over:
+        yield f"{path}.take_over", "a rate begins where the robot stands: leave it out"
 
 
 def _near(name: str, device: str) -> str:
@@ -115,7 +135,8 @@ def mapped_controls(settings: HandsSettings) -> tuple[MappedControl, ...]:
             replace(control, kind=_kind(name, mapped, settings.device)),
             mapped,
             mapped.on or settings.on,
-            soft=bool(mapped.control) and (mapped.take_over or settings.take_over) == SOFT,
+            soft=bool(mapped.control and not mapped.rate)
+            and (mapped.take_over or settings.take_over) == SOFT,
             source=settings.device,
         )
         for name, control in MODELS[settings.device].items()

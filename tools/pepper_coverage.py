@@ -29,6 +29,8 @@ def _of_settings() -> dict[str, str]:
 #: Every call of the robot's own software that a wizard of a Pepper needs, and how it is reached.
 CALLS: dict[str, str] = {
     **_of_settings(),
+    "ALBasicAwareness.pauseAwareness": "the stop, of a robot that refuses the mode Head",
+    "ALBasicAwareness.resumeAwareness": "the release after that",
     "ALTextToSpeech.say": "`say` with `plain: true`, `read`",
     "ALTextToSpeech.stopAll": "the stop, a `say` cut short",
     "ALTextToSpeech/TextDone": "`naoqi: ALMemory.getData`; a `say` ends with its own call",

@@ -112,6 +112,8 @@ class NaoqiSimulator:
             "said": self.voice.said,
             "animations": self.animations.done,
             "life": self.life.state,
+            "tracking": self.awareness.tracking,
+            "awareness.paused": self.awareness.paused,
             "drift": "",
             "eyes": color("RightFaceLed1"),
             "eyes.animation": self.leds.animation(),

@@ -76,7 +76,7 @@ KEPT_AT: Mapping[str, Mapping[str, re.Pattern[str]]] = {
     "settings.shown": {
         f"{field}.{name}": WORD
         for field in ("values", "wanted")
-        for name in ("engagement", "eyes", "state")
+        for name in ("engagement", "eyes", "state", "tracking")
     },
 }
 

@@ -25,6 +25,7 @@ from woz_drivers.naoqi_robot.senses import SensesPart
 from woz_drivers.naoqi_robot.service_call import ServiceCallPart
 from woz_drivers.naoqi_robot.sounds import SoundsPart
 from woz_drivers.naoqi_robot.talk import TalkPart
+from woz_drivers.naoqi_robot.tracking import TrackingPart
 from woz_drivers.naoqi_robot.voice import VoicePart
 from woz_tui.drivers.contract import DriverError, DriverFacts, Finding, Job, Probe
 from woz_tui.protocol.messages import Json
@@ -53,8 +54,8 @@ class Nao(NaoqiRobot):
     CHECKS = text_remarks.CHECKS | {"pose": {"joints": written_pose}}
     PARTS: ClassVar[tuple[type[NaoqiPart], ...]] = (
         *(WalkingPart, NaoBodyPart, NaoAnimationsPart, VoicePart, SoundsPart, HeadPart),
-        *(NaoEyesPart, LightsPart, AutonomyPart, BodySensesPart, SensesPart, RecognitionPart),
-        *(TwoCamerasPart, MicrophonesPart, TalkPart, ServiceCallPart),
+        *(NaoEyesPart, LightsPart, AutonomyPart, TrackingPart, BodySensesPart, SensesPart),
+        *(RecognitionPart, TwoCamerasPart, MicrophonesPart, TalkPart, ServiceCallPart),
     )
 
     @classmethod

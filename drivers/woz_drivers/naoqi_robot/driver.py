@@ -212,6 +212,8 @@ class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
     async def resume(self) -> None:
         """The stop was released: what could not be applied while it was pressed is applied now."""
         self._stopped = False
+        for part in self._parts:
+            part.resume()
         if self._waits and self._present:
             self._waits = False
             self._later.start(self._live())

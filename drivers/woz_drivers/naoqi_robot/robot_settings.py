@@ -19,6 +19,10 @@ Call = tuple[str, ...]
 LIFE, AWARENESS, MOTION, TTS = "ALAutonomousLife", "ALBasicAwareness", "ALMotion", "ALTextToSpeech"
 #: A change of state may wake the robot up, or put it to rest, before it returns.
 STATE_S = 20.0
+#: The verb that changes the tracking mode, and the one mode that moves the head alone.
+TRACK, STILL_MODE = "track", "Head"
+#: What awareness heeds; the robot takes it in this order.
+STIMULI = ("People", "Touch", "Sound", "Movement")
 _METRES = Range(0.0, 5.0, "m")
 _SPEED, _PITCH = Range(50.0, 400.0, "%"), Range(0.0, 4.0)
 
@@ -83,6 +87,22 @@ _COMMON = (
         (AWARENESS, "getEngagementMode"),
         (AWARENESS, "setEngagementMode"),
         choices=("Unengaged", "FullyEngaged", "SemiEngaged"),
+    ),
+    NaoqiSetting(
+        *("Autonomy", "tracking", "choice", "what of it follows people; all but Head drive"),
+        *(TRACK, "mode", "autonomy.tracking"),
+        get=(AWARENESS, "getTrackingMode"),
+        put=(AWARENESS, "setTrackingMode"),
+        choices=(STILL_MODE, "BodyRotation", "WholeBody", "MoveContextually"),
+    ),
+    *(
+        _life(
+            f"heeds_{stimulus.casefold()}",
+            f"awareness turns to {stimulus.casefold()}",
+            (AWARENESS, "isStimulusDetectionEnabled", stimulus),
+            (AWARENESS, "setStimulusDetectionEnabled", stimulus),
+        )
+        for stimulus in STIMULI
     ),
     _ability("blinking", "blinks", "ALAutonomousBlinking"),
     _ability("listening_movement", "moves slightly while it listens", "ALListeningMovement"),

@@ -9,10 +9,15 @@ from typing import Annotated, ClassVar, Protocol
 
 from woz_drivers.naoqi_robot.address import parse, without_password
 from woz_drivers.naoqi_robot.model import RobotModel
-from woz_drivers.naoqi_robot.robot_settings import SETTINGS, NaoqiSetting, of_section
+from woz_drivers.naoqi_robot.robot_settings import (
+    SETTINGS,
+    STILL_MODE,
+    NaoqiSetting,
+    of_section,
+)
 from woz_drivers.sound.live_talk import TalkSettings
 from woz_tui.drivers.argument_values import color
-from woz_tui.drivers.fields import Doc, Range, Seconds, Section
+from woz_tui.drivers.fields import Doc, OneOf, Range, Seconds, Section
 from woz_tui.drivers.robot_settings import problem_at
 from woz_tui.protocol.messages import Json
 
@@ -27,6 +32,13 @@ class AutonomySettings:
     state: Annotated[str, SETTINGS["state"].one_of, SETTINGS["state"].doc] = ""
     awareness: Annotated[bool | None, SETTINGS["awareness"].doc] = None
     engagement: Annotated[str, SETTINGS["engagement"].one_of, SETTINGS["engagement"].doc] = ""
+    tracking: Annotated[
+        str, OneOf(("", STILL_MODE)), Doc("what of it follows people; more than the head: `track`")
+    ] = ""
+    heeds_people: Annotated[bool | None, SETTINGS["heeds_people"].doc] = None
+    heeds_touch: Annotated[bool | None, SETTINGS["heeds_touch"].doc] = None
+    heeds_sound: Annotated[bool | None, SETTINGS["heeds_sound"].doc] = None
+    heeds_movement: Annotated[bool | None, SETTINGS["heeds_movement"].doc] = None
     blinking: Annotated[bool | None, SETTINGS["blinking"].doc] = None
     listening_movement: Annotated[bool | None, SETTINGS["listening_movement"].doc] = None
     speaking_movement: Annotated[bool | None, SETTINGS["speaking_movement"].doc] = None

@@ -14,6 +14,7 @@ from woz_drivers.naoqi_robot.address import parse
 from woz_drivers.naoqi_robot.connection import RobotConnection
 from woz_drivers.naoqi_robot.eyes import EyeColor
 from woz_drivers.naoqi_robot.parts import NaoqiPart
+from woz_drivers.naoqi_robot.robot_settings import STILL_MODE, TRACK
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_tui.drivers.argument_values import color as color_of
 from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError, Job, RejectedError
@@ -165,8 +166,8 @@ CLOSE = 0.006
 #: Blinking changes the eyes for a moment: only what is so in two readings running is told.
 FLEETING = frozenset(("eyes", "eyes_brightness"))
 #: Not compared: there is no other robot while one is connected, every animation changes the
-#: posture, and what the tablet shows has another name there.
-NEVER = frozenset(("robot", "posture", "tablet", "sound", "microphones"))
+#: posture, `track` the tracking for a while, and what the tablet shows has another name there.
+NEVER = frozenset(("robot", "posture", "tracking", "tablet", "sound", "microphones"))
 #: Breathing of the whole body, and what is set behind it for parts of it.
 WHOLE = "body_breathing"
 PARTS = ("head_breathing", "arms_breathing", "legs_breathing")
@@ -181,7 +182,7 @@ class DesiredSettings:
             for setting in settings.model.settings.values()
             if setting.name not in NEVER
         }
-        self._by_setting = settings.initial_values(settings.model.settings.values())
+        self._by_setting = settings.initial_values(self._by_argument.values())
         if "eyes" in self._by_setting:
             self._by_setting["eyes"] = _color(settings.eyes)
         self._doubted: frozenset[str] = frozenset()
@@ -313,6 +314,9 @@ def _conflicts(
             yield f"the {name} security distance is {metres:g} m: the robot may hit people"
     if values.get("awake") is False and state not in (*BUSY, "safeguard"):
         yield "the motors are off: nothing moves until the robot is woken up"
+    mode = values.get("tracking")
+    if mode not in (None, STILL_MODE) and values.get("awareness") is True and TRACK not in used:
+        yield f"tracking is {mode}: awareness moves the base by itself, whoever watches"
     if any(verb in used for verb in STEERS_HEAD):
         if values.get("awareness") is True:
             yield "awareness turns the head away from where the wizard has turned it"

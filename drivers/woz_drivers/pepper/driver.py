@@ -20,6 +20,7 @@ from woz_drivers.naoqi_robot.senses import SensesPart
 from woz_drivers.naoqi_robot.service_call import ServiceCallPart
 from woz_drivers.naoqi_robot.sounds import SoundsPart
 from woz_drivers.naoqi_robot.talk import TalkPart
+from woz_drivers.naoqi_robot.tracking import TrackingPart
 from woz_drivers.naoqi_robot.voice import VoicePart
 from woz_drivers.pepper import doctor, tablet_page
 from woz_drivers.pepper.hip import HipPart
@@ -47,8 +48,8 @@ class Pepper(NaoqiRobot):
 
     PARTS: ClassVar[tuple[type[NaoqiPart], ...]] = (
         *(BasePart, BodyPart, AnimationsPart, VoicePart, SoundsPart, HeadPart, HipPart, EyesPart),
-        *(TabletPart, AutonomyPart, SensesPart, RecognitionPart, CameraPart, MicrophonesPart),
-        *(TalkPart, ServiceCallPart),
+        *(TabletPart, AutonomyPart, TrackingPart, SensesPart, RecognitionPart, CameraPart),
+        *(MicrophonesPart, TalkPart, ServiceCallPart),
     )
     CHECKS = text_remarks.CHECKS | {"screen": {"file": tablet_page.written_screen}}
 

@@ -36,7 +36,7 @@ VERBS = {
     *("say", "read", "volume", "speech_speed", "speech_pitch", "play", "posture", "pose", "home"),
     *("torque", "gaze", "nudge", "hip", "drive", "eyes", "eyes_animation", "eyes_brightness"),
     *("sound", "screen", "tablet", "autonomy", "collision", "picture", "record_sound", "listen"),
-    *("learn_face", "face_consent", "connect", "disconnect", "naoqi"),
+    *("learn_face", "face_consent", "track", "connect", "disconnect", "naoqi"),
 }
 
 
@@ -45,7 +45,7 @@ def test_verbs_lanes_joints_and_sensors_are_those_that_files_rely_on() -> None:
     verbs = {verb.name: verb for verb in Pepper.offer(settings).verbs}
     assert set(verbs) == VERBS
     assert verbs["gaze"].stream
-    assert [name for name, verb in verbs.items() if verb.drives] == ["drive"]
+    assert [name for name, verb in verbs.items() if verb.drives] == ["drive", "track"]
     assert {verbs[name].lane for name in ("play", "posture", "pose", "home", "torque")} == {"body"}
     joints = Pepper.offer(settings).joints or {}
     assert joints["HeadPitch"].low == -40.5

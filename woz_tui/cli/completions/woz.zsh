@@ -519,10 +519,13 @@ _shtab_woz_render_options=(
   "--inputs[JSON lines of inputs, or a session\'s log\; - is standard input]:inputs:"
   "--lenient[skip wrong lines of --inputs and report them]"
   "--plot[draw the joints\' curves instead]"
+  "--keys[the same, with the frames and what joints miss of them]"
+  "--watch[the same, anew whenever a file is saved, until ctrl\+c]"
+  "--robot[robot or experiment file with the body, if FILE is a move file]:robot:_files"
   "--body[driver, if the file has several bodies]:body:"
   "--seed[seed of blinks and other random movements (default\: the file\'s)]:seed:"
   "--help-inputs[list all inputs]"
-  ":experiment or robot file:_files"
+  ":experiment, robot or move file:_files"
   ":a move, a mode, idle, or an action of the file:"
 )
 

@@ -17,7 +17,7 @@ from naoqi_simulator.memory import MemoryService
 from naoqi_simulator.motion import MotionService
 from naoqi_simulator.posture import RobotPosture
 from naoqi_simulator.recognition import SpeechRecognition
-from naoqi_simulator.senses import SensorKeys
+from naoqi_simulator.senses import Mood, SensorKeys
 from naoqi_simulator.service_table import Service
 from naoqi_simulator.sounds import AudioPlayer, AudioRecorder, RobotDisk
 from naoqi_simulator.speech import AnimatedSpeech, SpeechVoice, TextToSpeech
@@ -66,7 +66,7 @@ class NaoqiSimulator:
             *(TextToSpeech(self.voice, self.animations), MemoryService(world)),
             *(AnimatedSpeech(self.voice, self.animations), *abilities.values()),
             *(AnimationPlayer(self.animations, world), BehaviorManager(self.animations, world)),
-            *(*self.senses.extractors.values(), self.recognition),
+            *(*self.senses.extractors.values(), Mood(world), self.recognition),
             *(*own, self.player, self.recorder, self.audio, self.camera),
             self.standin,
         )

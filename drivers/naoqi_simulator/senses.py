@@ -7,6 +7,7 @@ fills it.
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Sequence
 from typing import Any
 
@@ -104,6 +105,70 @@ class FaceDetection(ExtractorService):
         return self._learnt.get(person.number, person.name)
 
 
+class Mood(Service):
+    """ALMood: what it makes of whoever is there; nothing while nobody is subscribed."""
+
+    name = "ALMood"
+
+    def __init__(self, world: SimulatedWorld) -> None:
+        super().__init__()
+        self._world = world
+        self.subscribers: dict[str, str] = {}
+
+    @offers("subscribe(ss)b")
+    def subscribe(self, who: str, how: str) -> bool:
+        """Active or Passive: whether it has other extractors run, too."""
+        if how not in ("Active", "Passive"):
+            raise CallRefusedError(f"ALMood::subscribe\n\tunknown mode {how}")
+        self.subscribers[who] = how
+        return True
+
+    @offers("unsubscribe(s)v")
+    def unsubscribe(self, who: str) -> None:
+        """Not for this subscriber any more."""
+        if self.subscribers.pop(who, None) is None:
+            raise CallRefusedError(f"ALMood::unsubscribe\n\t{who} is not subscribed")
+
+    @offers("currentPersonState()m")
+    def current_person_state(self) -> list[Any]:
+        """Valence, attention, and so on, each with how sure it is; empty without anybody."""
+        person = self._world.person() if self.subscribers else None
+        if person is None:
+            return []
+        smile = guessed(person, "SmileProperties")
+        valence = round(smile[0] * 2 - 1, 3)
+        attention = 0.9 if person.looking else 0.2
+        ease = [[0.5, 0.5]]
+        expressions = [[share, 0.5] for share in guessed(person, "ExpressionProperties")]
+        return [
+            [valence, 0.6],
+            [attention, 0.8],
+            ease,
+            smile,
+            [*expressions, [0.0, 0.5], [0.0, 0.5]],
+        ]
+
+
+#: What ALFaceCharacteristics guesses of a face.
+GUESSED = ("AgeProperties", "GenderProperties", "SmileProperties", "ExpressionProperties")
+
+
+def guessed(person: SimulatedPerson, what: str) -> list[float]:
+    """As ALFaceCharacteristics writes it: a guess and how sure it is, or a share for each of
+    neutral, happy, surprised, angry and sad. The same person looks the same each time.
+    """
+    draw = random.Random(person.number)
+    age, gender = float(draw.randint(18, 70)), float(draw.randint(0, 1))
+    smile = round(draw.uniform(0.0, 1.0), 3)
+    rest = round((1 - smile) / 4, 3)
+    return {
+        "AgeProperties": [age, 0.7],
+        "GenderProperties": [gender, 0.8],
+        "SmileProperties": [smile, 0.6],
+        "ExpressionProperties": [rest, smile, rest, rest, rest],
+    }[what]
+
+
 class SensorKeys:
     """Fills ALMemory from the world."""
 
@@ -112,6 +177,7 @@ class SensorKeys:
         names = (
             *("ALSonar", "ALPeoplePerception", "ALGazeAnalysis"),
             *("ALSoundLocalization", "ALEngagementZones", "ALSoundDetection"),
+            "ALFaceCharacteristics",
         )
         self._database = FaceDetection(world)
         self.extractors = {name: ExtractorService(name) for name in names}
@@ -165,6 +231,8 @@ class SensorKeys:
             return None
         if what == "IsLookingAtRobot" and not self._on("ALGazeAnalysis"):
             return None
+        if what in GUESSED:
+            return guessed(person, what) if self._on("ALFaceCharacteristics") else None
         values = {
             "Distance": round(person.distance, 3),
             "IsVisible": True,

@@ -90,6 +90,8 @@ def kept_at() -> dict[str, Mapping[str, re.Pattern[str]]]:
     return found
 
 
+#: What a robot guesses of people's looks and moods: of these sensors no value stays.
+_LOOKS = re.compile(r"(.*\.)?looks\..*", re.DOTALL)
 #: Objects that stay as they are: names of drivers and of what they can do.
 VOCABULARY = frozenset({"verbs"})
 #: Fields with a visitor's code. Visitors can get a name instead, so only given codes stay.
@@ -105,6 +107,8 @@ def redacted(fields: Mapping[str, Any]) -> dict[str, Any]:
     if isinstance(clock, Mapping):  # like a sum of the log, it would tell which one that is
         fields = {**fields, "clock": {n: v for n, v in clock.items() if n != "monotonic_us"}}
     kind_name = kind if isinstance(kind, str) else ""
+    if kind_name == "sample" and _LOOKS.fullmatch(str(fields.get("sensor"))):
+        fields = {**fields, "value": None, "raw": None, "text": ""}
     kept = KEPT | KEPT_IN.get(kind_name, frozenset()) | kept_fields().get(kind_name, frozenset())
     places = kept_at().get(kind_name, {})
     return {

@@ -18,6 +18,7 @@ from woz_drivers.naoqi_robot import text_remarks
 from woz_drivers.naoqi_robot.autonomy import AutonomyPart
 from woz_drivers.naoqi_robot.driver import NaoqiRobot
 from woz_drivers.naoqi_robot.head import HeadPart
+from woz_drivers.naoqi_robot.looks import LooksPart
 from woz_drivers.naoqi_robot.microphones import MicrophonesPart
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.recognition import RecognitionPart
@@ -55,7 +56,7 @@ class Nao(NaoqiRobot):
     PARTS: ClassVar[tuple[type[NaoqiPart], ...]] = (
         *(WalkingPart, NaoBodyPart, NaoAnimationsPart, VoicePart, SoundsPart, HeadPart),
         *(NaoEyesPart, LightsPart, AutonomyPart, TrackingPart, BodySensesPart, SensesPart),
-        *(RecognitionPart, TwoCamerasPart, MicrophonesPart, TalkPart, ServiceCallPart),
+        *(LooksPart, RecognitionPart, TwoCamerasPart, MicrophonesPart, TalkPart, ServiceCallPart),
     )
 
     @classmethod

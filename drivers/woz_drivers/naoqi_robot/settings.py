@@ -90,6 +90,12 @@ class SensesSettings:
     people: Annotated[bool, Doc("presence, gaze, distance of people, identity")] = True
     loudness: Annotated[bool, Doc("loudness and direction of sound")] = True
     touch: Annotated[bool, Doc("touches, as readings")] = True
+    face: Annotated[
+        bool, Doc("age, gender, smile, expression as the robot guesses them; the law limits it")
+    ] = False
+    mood: Annotated[
+        bool, Doc("mood and attention as the robot guesses them; the law limits it")
+    ] = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from woz_drivers.naoqi_robot.camera import CameraPart
 from woz_drivers.naoqi_robot.driver import NaoqiRobot
 from woz_drivers.naoqi_robot.eyes import EyesPart
 from woz_drivers.naoqi_robot.head import HeadPart
+from woz_drivers.naoqi_robot.looks import LooksPart
 from woz_drivers.naoqi_robot.microphones import MicrophonesPart
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.recognition import RecognitionPart
@@ -48,7 +49,15 @@ class Pepper(NaoqiRobot):
 
     PARTS: ClassVar[tuple[type[NaoqiPart], ...]] = (
         *(BasePart, BodyPart, AnimationsPart, VoicePart, SoundsPart, HeadPart, HipPart, EyesPart),
-        *(TabletPart, AutonomyPart, TrackingPart, SensesPart, RecognitionPart, CameraPart),
+        *(
+            TabletPart,
+            AutonomyPart,
+            TrackingPart,
+            SensesPart,
+            LooksPart,
+            RecognitionPart,
+            CameraPart,
+        ),
         *(MicrophonesPart, TalkPart, ServiceCallPart),
     )
     CHECKS = text_remarks.CHECKS | {"screen": {"file": tablet_page.written_screen}}

@@ -14,12 +14,17 @@ from woz_tui.analysis.tables import (
     SAMPLES,
     TableDefinition,
 )
-from woz_tui.features.questionnaires.report import answers_wide
+from woz_tui.features.questionnaires.codebook import CODEBOOK, answer_column, variables, wide_table
+from woz_tui.features.questionnaires.report import ROUND_COLUMNS
+from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
+
+_ANY = Questionnaire("<questionnaire>", items=(QuestionnaireItem("<item>", "what was asked"),))
 
 #: All of them, in the order of the page.
 TABLES: tuple[TableDefinition[Any], ...] = (
     *figure_tables(),
-    answers_wide(["<questionnaire>.<item>"]),
+    wide_table(ROUND_COLUMNS, [answer_column([*variables(_ANY)])]),
+    CODEBOOK,
     EVENTS,
     SAMPLES,
 )

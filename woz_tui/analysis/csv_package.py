@@ -22,7 +22,7 @@ from woz_tui import __version__
 from woz_tui.analysis.feature_report import FeatureReport, figure_tables
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.spreadsheets import PLAIN, CsvFormat
-from woz_tui.analysis.tables import Cell, TableDefinition
+from woz_tui.analysis.tables import TableDefinition
 from woz_tui.feature import pieces
 from woz_tui.system.text_cleaning import cell
 
@@ -70,8 +70,8 @@ class TableFiles:
         self._changed: set[str] = set()
         self._tables = (*more, *figure_tables())
         self._files = ExitStack()
-        self._reports = pieces("report", FeatureReport)
-        self._wide: dict[str, list[Mapping[str, Cell]]] = {name: [] for name in self._reports}
+        made = (report.gathered() for report in pieces("report", FeatureReport).values())
+        self._gathered = [each for each in made if each is not None]
         #: What is wrong with logs, by name.
         self._damage: dict[str, Sequence[str]] = {}
         self._writers = {table.name: self._begun(table) for table in self._tables}
@@ -89,8 +89,8 @@ class TableFiles:
         """
         for table in figure_tables():
             self.write(table, figures, table.rows(figures))
-        for name, report in self._reports.items():
-            self._wide[name] += report.wide_rows(figures)
+        for each in self._gathered:
+            each.add(figures)
         if figures.wholeness.sentences:
             self._damage[figures.stem] = figures.wholeness.sentences
         codes = {figures.session, figures.wizard, *figures.participants, *figures.conditions}
@@ -111,18 +111,15 @@ class TableFiles:
         )
 
     def finish(self) -> None:
-        """Write the wide tables and the data dictionary, then close the files."""
-        made = [
-            (report.wide_table(self._wide[name]), name) for name, report in self._reports.items()
-        ]
-        wide = [(table, self._wide[name]) for table, name in made if table is not None]
-        for table, rows in wide:
+        """Write the tables of all sessions and the data dictionary, then close the files."""
+        gathered = [found for each in self._gathered for found in each.tables()]
+        for table, rows in gathered:
             writer = self._begun(table)
             for row in rows:
                 writer.writerow(
                     self._format.cell(of.cell(_NONE, row), of.type) for of in table.columns
                 )
-        tables = (*self._tables, *(table for table, _ in wide))
+        tables = (*self._tables, *(table for table, _ in gathered))
         package = _package(tables, self._damage, self._format)
         with self._opened(DICTIONARY) as file:
             file.write(json.dumps(package, indent=2, ensure_ascii=False) + "\n")
@@ -133,7 +130,7 @@ class TableFiles:
         self._files.close()
 
 
-#: Rows of the wide table hold their session's codes themselves.
+#: Rows of tables of all sessions hold the codes of theirs themselves.
 _NONE: Any = None
 
 
@@ -204,6 +201,7 @@ def _resource(table: TableDefinition[Any], csv_format: CsvFormat) -> dict[str, A
                 "type": column.type,
                 "description": column.meaning,
                 **({"unit": column.unit} if column.unit else {}),
+                **column.more,
                 **(
                     {"decimalChar": csv_format.decimal}
                     if column.type == "number" and csv_format.decimal != "."

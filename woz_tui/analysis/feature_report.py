@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -10,7 +10,7 @@ from woz_tui.analysis.feature_figures import ApartSession
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.report_table import ReportTable
-from woz_tui.analysis.tables import FIGURES, Cell, TableDefinition
+from woz_tui.analysis.tables import FIGURES, TableDefinition
 from woz_tui.feature import pieces
 
 
@@ -24,10 +24,24 @@ class FigureTile(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class BehaviourTable:
-    """Rows of a participant that BIDS has in a `_beh.tsv`: columns of a table, in this order."""
+    """Rows of a participant that BIDS has in a `_beh.tsv`: columns of a table, in this order.
+    `levels`: what the values in a column mean, of these rows of a session.
+    """
 
     table: TableDefinition[Any]
     columns: Sequence[str]
+    levels: Callable[[SessionFigures, Sequence[Any]], Mapping[str, Mapping[str, str]]]
+
+
+class GatheredTables:
+    """Tables whose columns or rows are known when all sessions are."""
+
+    def add(self, figures: SessionFigures) -> None:
+        """Add a session."""
+
+    def tables(self) -> Iterator[tuple[TableDefinition[Any], Sequence[Any]]]:
+        """Each with its rows; their cells need no session any more."""
+        yield from ()
 
 
 class FeatureReport:
@@ -43,14 +57,8 @@ class FeatureReport:
     about: ClassVar[tuple[str, ...]] = ()
     behaviour: ClassVar[BehaviourTable | None] = None
 
-    def wide_rows(self, figures: SessionFigures) -> Sequence[Mapping[str, Cell]]:
-        """Rows of a session for `wide_table`, cells by column."""
-        return ()
-
-    def wide_table(
-        self, rows: Iterable[Mapping[str, Cell]]
-    ) -> TableDefinition[Mapping[str, Cell]] | None:
-        """A table whose columns depend on the `rows` of all sessions; None: there is none."""
+    def gathered(self) -> GatheredTables | None:
+        """Its tables that depend on all sessions, before the first; None: there are none."""
         return None
 
     def apart(self, sessions: Sequence[ApartSession]) -> ReportTable | None:

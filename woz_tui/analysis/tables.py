@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from typing import Any, Generic, TypeVar
 
@@ -50,7 +50,7 @@ Cell = str | int | float | bool | None
 @dataclass(frozen=True, slots=True)
 class Column(Generic[Row]):
     """A column: its name, Frictionless type (string, number, integer, boolean, datetime), meaning,
-    how a row's cell is found, unit.
+    how a row's cell is found, unit; `more`: what a data package says of the field besides.
     """
 
     name: str
@@ -58,6 +58,7 @@ class Column(Generic[Row]):
     meaning: str
     cell: Callable[[SessionFigures, Row], Cell]
     unit: str = ""
+    more: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

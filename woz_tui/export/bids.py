@@ -338,20 +338,23 @@ def write_behaviour(
     stem: str,
     session: ExportSession,
     behaviour: BehaviourTable,
-    found: Iterable[Any],
+    found: Sequence[Any],
     *,
     common: Mapping[str, Any],
 ) -> None:
     """Writes `<stem>_beh.tsv` and its sidecar."""
     columns = _columns(behaviour.table, behaviour.columns)
     moved = _moved_us(session)
-    found = (replace(each, t=each.t + moved) for each in found)
+    levels = behaviour.levels(session.figures, found)
+    shown = [replace(each, t=each.t + moved) for each in found]
     rows = (
         [bids_cell(of.cell(session.figures, each), text=of.type == "string") for of in columns]
-        for each in found
+        for each in shown
     )
     write_table(folder, f"{stem}_beh.tsv", [column.name for column in columns], rows)
-    meanings = {column.name: _meaning(column) for column in columns}
+    meanings: dict[str, Any] = {column.name: _meaning(column) for column in columns}
+    for name, of in levels.items():
+        meanings[name]["Levels"] = of
     write_json(folder, f"{stem}_beh.json", {**common, **meanings})
 
 

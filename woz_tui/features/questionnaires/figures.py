@@ -7,26 +7,45 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from msgspec.structs import replace as replaced
+
 from woz_tui.analysis.event_rows import ContextRow, context_fields
 from woz_tui.analysis.feature_figures import FeatureFigures, Instant
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.text_format import NONE, counted, duration, times
+from woz_tui.features.questionnaires.answers import answer_told, items_of
 from woz_tui.features.questionnaires.history import (
     QuestionnaireEpisode,
     QuestionnaireHistory,
     UnansweredEpisode,
 )
+from woz_tui.features.questionnaires.items import (
+    NOT_SHOWN,
+    NUMBERS,
+    POINTS,
+    SKIPPED,
+    ItemAnswer,
+    asked_items,
+    value_labels,
+    wording,
+)
+from woz_tui.features.questionnaires.items import said as in_words
+from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.timeline import Timeline
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AnswerRow(ContextRow):
-    """The last answer to an item in one round of a questionnaire; `t` is when it was given.
+    """The last answer to an item in one round of a questionnaire, or why there is none (`reason`:
+    skipped, does_not_apply, prefer_not, declined, left, not_shown, private; empty: there is one);
+    `t` is when it was given, or when the round ended.
 
-    `value` is None for texts and for what was left out; `low` and `high` are None unless the item
-    is a scale, and `ends` says what they are called.
+    `value` is None for texts, several choices (`values`) and without an answer; `low` and `high`
+    are None unless the item is a number. `position`: as which it stood among the questions, from 1;
+    0: nobody knows. `label`: what the answer is called; `low_label` and `high_label`: the ends.
+    `flipped`: the high end stood on the left.
     """
 
     questionnaire: str
@@ -40,7 +59,21 @@ class AnswerRow(ContextRow):
     answered_us: int | None
     low: float | None = None
     high: float | None = None
-    ends: tuple[str, str] = ("", "")
+    kind: str = "scale"
+    low_label: str = ""
+    high_label: str = ""
+    label: str = ""
+    values: tuple[int, ...] = ()
+    position: int = 0
+    flipped: bool = False
+    reason: str = ""
+    given: str = ""
+    language: str = ""
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """What the ends of the scale are called."""
+        return self.low_label, self.high_label
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,10 +98,13 @@ class RoundRow:
 @dataclass(frozen=True, slots=True)
 class QuestionnaireFigures:
     """What was asked in a session. `unanswered`: titles of questionnaires that were due and neither
-    answered nor declined, and after which trial.
+    answered nor declined, and after which trial. `missing`: questions of rounds to which there is
+    no line, and why. `questionnaires`: as the experiment file has them.
     """
 
     answers: tuple[AnswerRow, ...] = ()
+    missing: tuple[AnswerRow, ...] = ()
+    questionnaires: tuple[Questionnaire, ...] = ()
     rounds: tuple[RoundRow, ...] = ()
     unanswered: tuple[str, ...] = ()
 
@@ -87,9 +123,7 @@ def answer_table(figures: QuestionnaireFigures) -> ReportTable:
     rows = [
         (
             *(LogText(answer.item), LogText(answer.question)),
-            "left out"
-            if answer.skipped
-            else LogText(answer.text if answer.value is None else f"{answer.value:g}"),
+            LogText(answer_text(answer)),
             *(scale_text(answer.low, answer.high), duration(answer.answered_us)),
             *(LogText(answer.questionnaire), str(answer.round)),
             *(LogText(answer.condition), NONE if answer.trial < 0 else str(answer.trial)),
@@ -99,6 +133,25 @@ def answer_table(figures: QuestionnaireFigures) -> ReportTable:
     heads = ["Item", "Question", "Answer", "Scale", "After"]
     heads += ["Questionnaire", "Round", "Condition", "Trial"]
     return ReportTable("Questionnaires", heads, rows, words=4, on_terminal=4)
+
+
+#: Why there is no answer, in words.
+REASONS = {
+    "skipped": "left out",
+    "does_not_apply": "does not apply",
+    "prefer_not": "prefer not to say",
+    "private": "private",
+}
+
+
+def answer_text(answer: AnswerRow) -> str:
+    """An answer in a few words, or why there is none."""
+    if answer.reason:
+        return REASONS.get(answer.reason, answer.reason)
+    if answer.kind in ("choice", "choices"):
+        return answer.label
+    number = "" if answer.value is None else f"{answer.value:g}"
+    return number or answer.text
 
 
 def scale_text(low: float | None, high: float | None) -> str:
@@ -114,7 +167,11 @@ class CountedQuestionnaires(FeatureFigures):
 
     def count(self, timeline: Timeline) -> QuestionnaireFigures | None:
         found = QuestionnaireFigures(
-            tuple(answers(timeline)), tuple(rounds(timeline)), tuple(unanswered(timeline))
+            tuple(answers(timeline)),
+            tuple(unanswered_items(timeline)),
+            tuple(questionnaires(timeline)),
+            tuple(rounds(timeline)),
+            tuple(unanswered(timeline)),
         )
         return found if found != NOTHING else None
 
@@ -126,10 +183,8 @@ class CountedQuestionnaires(FeatureFigures):
     ) -> QuestionnaireFigures:
         return replace(
             figures,
-            answers=tuple(
-                each if each.participant in people else replace(each, counted=False)
-                for each in figures.answers
-            ),
+            answers=_narrowed(figures.answers, people),
+            missing=_narrowed(figures.missing, people),
         )
 
     def values(self, name: str, figures: QuestionnaireFigures | None) -> Mapping[str, Any]:
@@ -183,12 +238,31 @@ def rounds(timeline: Timeline) -> Iterator[RoundRow]:
             t=each.begin,
             reason=each.ended.reason if each.ended is not None else "",
             answered=sum(not answer.skipped for answer in each.answers.values()),
-            items=len(_items(each)),
+            items=len(_questions(each)),
             participant=each.context.participant,
             condition=_condition_of(timeline, each),
             counted=counts,
-            asked=tuple(_items(each)),
+            asked=tuple(item.name for item in _questions(each)),
         )
+
+
+def questionnaires(timeline: Timeline) -> Iterator[Questionnaire]:
+    """What the experiment file asks; and what was asked, where a log does not say what it holds."""
+    known = {each.name: each for each in timeline.state.study.settings.questionnaires}
+    yield from known.values()
+    others: dict[str, tuple[str, dict[str, QuestionnaireItem]]] = {}
+    for each, _ in _numbered(timeline):
+        if each.name in known:
+            continue
+        title = each.started.title if each.started is not None else ""
+        _, items = others.setdefault(each.name, (title, {}))
+        for name, item in _items(each).items():
+            items.setdefault(name, replaced(item, flipped=False))
+        for answer in each.answers.values():  # of a round whose beginning is lost
+            unknown = QuestionnaireItem(answer.item, answer.question, kind="unknown")
+            items.setdefault(answer.item, unknown)
+    for name, (title, items) in others.items():
+        yield Questionnaire(name, title, when="", items=tuple(items.values()))
 
 
 def unanswered(timeline: Timeline) -> Iterator[str]:
@@ -204,31 +278,97 @@ def unanswered(timeline: Timeline) -> Iterator[str]:
 
 
 def answers(timeline: Timeline) -> Iterator[AnswerRow]:
-    """The last answers of each round, in the order in which the items were answered first."""
+    """The last answers of each round, in the order in which the items were answered first. What is
+    private is in none of them; nor what a later answer has ruled out.
+    """
     for each, number, counts in _rounds(timeline):
-        items = _items(each)
-        place = context_fields(each.context) | {
-            "trial": -1 if each.trial is None else each.trial,
-            "condition": _condition_of(timeline, each),
-        }
+        asked = {item.name for item in asked_items(_items(each).values(), _told(each))}
         for answer in each.answers.values():
-            item = items.get(answer.item, {})
-            yield AnswerRow(
-                **place,
-                questionnaire=each.name,
-                round=number,
-                item=answer.item,
+            if answer.item not in asked and answer.item in _items(each):
+                continue
+            row = _row(timeline, each, number, answer.item, counts=counts)
+            said = answer_told(answer)
+            item = _items(each).get(answer.item)
+            row = replace(
+                row,
                 question=answer.question,
-                value=None if answer.skipped else answer.value,
-                text=answer.text,
                 skipped=answer.skipped,
                 t=answer.t,
                 answered_us=answer.answered_us if answer.answered_us >= 0 else None,
-                low=_number(item.get("low")),
-                high=_number(item.get("high")),
-                ends=_ends(item.get("ends")),
-                counted=counts,
+                reason=(answer.reason or SKIPPED) if answer.skipped else "",
+                given=answer.given,
             )
+            if answer.private and not answer.skipped:
+                yield replace(row, reason="private")
+                continue
+            label = value_labels(item).get(said.value or 0, "") if item is not None else ""
+            if item is not None and item.choices and not answer.skipped:
+                label = in_words(item, said, "")
+            yield replace(
+                row,
+                value=None if answer.skipped else answer.value,
+                text=answer.text,
+                values=said.values,
+                label="" if said.value is None and not said.values else label,
+            )
+
+
+def unanswered_items(timeline: Timeline) -> Iterator[AnswerRow]:
+    """Questions of each round to which there is no answer: those that an earlier answer has ruled
+    out were not shown; of others, how the round ended says why.
+    """
+    for each, number, counts in _rounds(timeline):
+        asked = {item.name for item in asked_items(_items(each).values(), _told(each))}
+        ended = each.ended.reason if each.ended is not None else "left"
+        for name, item in _items(each).items():
+            if item.asks == "page" or (name in asked and name in each.answers):
+                continue
+            row = _row(timeline, each, number, name, counts=counts)
+            why = NOT_SHOWN if name not in asked else SKIPPED if ended == "done" else ended
+            yield replace(row, t=each.end or each.begin, reason=why, question=wording(item))
+
+
+def _row(
+    timeline: Timeline, each: QuestionnaireEpisode, number: int, name: str, *, counts: bool
+) -> AnswerRow:
+    """A question of a round, without an answer."""
+    items = _items(each)
+    item = items.get(name)
+    kind = item.asks if item is not None else ""
+    named = value_labels(item) if item is not None and kind in POINTS else {}
+    place = context_fields(each.context) | {
+        "trial": -1 if each.trial is None else each.trial,
+        "condition": _condition_of(timeline, each),
+    }
+    questions = [each.name for each in items.values() if each.asks != "page"]
+    numbered = item if item is not None and kind in NUMBERS else None
+    return AnswerRow(
+        **place,
+        questionnaire=each.name,
+        round=number,
+        item=name,
+        question="",
+        value=None,
+        text="",
+        skipped=False,
+        t=each.begin,
+        answered_us=None,
+        low=None if numbered is None else float(numbered.low),
+        high=None if numbered is None else float(numbered.high),
+        counted=counts,
+        kind=kind or "scale",
+        low_label=named.get(item.low, "") if item is not None else "",
+        high_label=named.get(item.high, "") if item is not None else "",
+        position=questions.index(name) + 1 if name in questions else 0,
+        flipped=item is not None and item.flipped,
+        language=each.started.language if each.started is not None else "",
+    )
+
+
+def _narrowed(rows: tuple[AnswerRow, ...], people: Collection[str]) -> tuple[AnswerRow, ...]:
+    return tuple(
+        each if each.participant in people else replace(each, counted=False) for each in rows
+    )
 
 
 def _rounds(timeline: Timeline) -> Iterator[tuple[QuestionnaireEpisode, int, bool]]:
@@ -293,17 +433,17 @@ def _numbered(timeline: Timeline) -> Iterator[tuple[QuestionnaireEpisode, int]]:
         yield each, counts[each.name]
 
 
-def _items(questionnaire: QuestionnaireEpisode) -> Mapping[str, Mapping[str, Any]]:
+def _items(questionnaire: QuestionnaireEpisode) -> Mapping[str, QuestionnaireItem]:
+    """What was asked, in the order in which it was shown."""
     listed = questionnaire.started.items if questionnaire.started is not None else []
-    return {str(item.get("name", "")): item for item in listed}
+    return {item.name: item for item in items_of(listed)}
 
 
-def _ends(told: object) -> tuple[str, str]:
-    match told:
-        case [str(low), str(high)]:
-            return low, high
-    return "", ""
+def _told(questionnaire: QuestionnaireEpisode) -> Mapping[str, ItemAnswer]:
+    return {name: answer_told(told) for name, told in questionnaire.answers.items()}
 
 
-def _number(value: object) -> float | None:
-    return float(value) if isinstance(value, int | float) else None
+def _questions(questionnaire: QuestionnaireEpisode) -> list[QuestionnaireItem]:
+    """Those that were asked, as far as the answers tell it."""
+    asked = asked_items(_items(questionnaire).values(), _told(questionnaire))
+    return [item for item in asked if item.asks != "page"]

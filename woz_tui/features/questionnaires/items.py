@@ -13,6 +13,8 @@ from woz_tui.protocol.welcome import ItemLabel, Questionnaire, QuestionnaireItem
 
 #: Why an item has no answer although it was shown.
 DOES_NOT_APPLY, PREFER_NOT, SKIPPED = "does_not_apply", "prefer_not", "skipped"
+#: Why it has none although others were asked it: an earlier answer has ruled it out.
+NOT_SHOWN = "not_shown"
 #: Who gave the answers: at the wizard's screen which was turned round, read aloud by the wizard,
 #: or by themselves.
 GIVEN = ("self", "read_aloud", "own_terminal", "browser")

@@ -77,7 +77,7 @@ class _ScaleOutcomes:
         there = self._scales.setdefault(key, Outcome(name)).at(answer.condition)
         there.asked.add(who)
         if answer.value is None:
-            there.missing["skipped"] += 1
+            there.missing[answer.reason or "skipped"] += 1
         else:
             there.answers.setdefault(who, []).append(answer.value)
 

@@ -37,6 +37,11 @@ def add(parser: ArgumentParser) -> None:
         help="replace all spoken, typed and written text, and remove dates and sound",
     )
     parser.add_argument(
+        "--private",
+        action="store_true",
+        help="include answers that the experiment file calls private",
+    )
+    parser.add_argument(
         "--samples", action="store_true", help="include the values of the sensors (csv, bids, mcap)"
     )
     parser.add_argument(
@@ -92,10 +97,13 @@ def _run(arguments: Namespace) -> int:
         )
     if arguments.spreadsheet and arguments.to != "csv":
         raise ExportError("--spreadsheet needs --to csv", "leave it out")
+    if arguments.private and arguments.redact_text:
+        raise ExportError("--redact-text takes private answers out", "leave out --private")
     if arguments.stream and arguments.recording is None:
         raise ExportError("--stream needs --with", "name the recording with --with")
     options = ExportOptions(
         redact=arguments.redact_text,
+        private=arguments.private,
         samples=arguments.samples,
         sound=not (arguments.no_sound or arguments.redact_text),
         media=arguments.media,

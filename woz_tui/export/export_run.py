@@ -62,7 +62,7 @@ def export(
         closing(formats()[to](folder, options)) as exporter,
     ):
         for source in sources:
-            session = read_session(source, redact=options.redact)
+            session = read_session(source, redact=options.redact, private=options.private)
             session.name = names.unique(session.name)
             session.figures = replace(session.figures, stem=session.name)
             notes: list[str] = []

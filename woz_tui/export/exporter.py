@@ -34,6 +34,7 @@ class ExportOptions:
 
     Attributes:
         redact: Take out texts, dates and sound.
+        private: Answers that the experiment file calls private, too.
         samples: The values of the sensors too.
         sound: Write what was recorded of the visitor, as one file for each session.
         media: A video or sound of the session to open it with.
@@ -43,6 +44,7 @@ class ExportOptions:
     """
 
     redact: bool = False
+    private: bool = False
     samples: bool = False
     sound: bool = True
     media: Path | None = None

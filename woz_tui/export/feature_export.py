@@ -48,6 +48,8 @@ class FeatureExport:
         parts: Messages that begin an event which has an interval, and are none by themselves.
         episodes: How its episodes are events.
         kept_at: Texts that stay in these kinds, each by its place, if they are such texts.
+        private: Fields that a line loses which says that it is `private`, unless somebody asks for
+            them.
         begun: What lines begin that others end without an id: the words before the dot of both.
     """
 
@@ -61,6 +63,7 @@ class FeatureExport:
     episodes: Mapping[type[Episode], ExportedEpisode] = field(default_factory=dict)
     kept_at: Mapping[str, Mapping[str, re.Pattern[str]]] = field(default_factory=dict)
     begun: Collection[str] = ()
+    private: Mapping[str, Collection[str]] = field(default_factory=dict)
 
 
 def exports() -> Iterable[FeatureExport]:
@@ -118,6 +121,12 @@ def kept_places() -> dict[str, dict[str, re.Pattern[str]]]:
         for kind, places in each.kept_at.items():
             found.setdefault(kind, {}).update(places)
     return found
+
+
+@cache
+def private_fields() -> dict[str, frozenset[str]]:
+    """`private` of all features."""
+    return {kind: frozenset(fields) for each in exports() for kind, fields in each.private.items()}
 
 
 @cache

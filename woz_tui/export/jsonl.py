@@ -10,7 +10,7 @@ import msgspec
 
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.exporter import Exporter
-from woz_tui.export.log_sources import LogSource, redacted_line
+from woz_tui.export.log_sources import LogSource, shown_line
 from woz_tui.log.log_reader import Damage, LogLine
 from woz_tui.protocol.messages import Reading
 
@@ -36,7 +36,9 @@ class JsonlExporter(Exporter):
         actions = self._folder.binary(f"{session.name}.jsonl")
         samples = self._folder.binary(f"{session.name}.samples.jsonl")
         with actions, samples:
-            copy = _Copy(actions, samples, redact=self._options.redact)
+            copy = _Copy(
+                actions, samples, redact=self._options.redact, private=self._options.private
+            )
             for line in source.everything(Damage()):
                 copy.add(line)
         return []
@@ -48,14 +50,17 @@ def _wordless(line: LogLine) -> bool:
 
 
 class _Copy:
-    def __init__(self, actions: BinaryIO, samples: BinaryIO, *, redact: bool) -> None:
+    def __init__(
+        self, actions: BinaryIO, samples: BinaryIO, *, redact: bool, private: bool
+    ) -> None:
         self._actions, self._samples = actions, samples
-        self._redact = redact
+        self._redact, self._private = redact, private
         self._sum = hashlib.sha256()
         self._lines = 0
 
     def add(self, line: LogLine) -> None:
-        line = redacted_line(line) if self._redact and not _wordless(line) else line
+        if not _wordless(line):
+            line = shown_line(line, redact=self._redact, private=self._private)
         if line.sample:
             self._samples.write(line.raw + b"\n")
             return

@@ -6,13 +6,15 @@ import hashlib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
 from woz_tui.analysis.figures import LogIntegrity
 from woz_tui.export.event_extraction import EventExtractor
 from woz_tui.export.event_model import ExportSession, letters
-from woz_tui.export.redaction import redacted
+from woz_tui.export.feature_export import private_fields
+from woz_tui.export.redaction import redacted, without_private
 from woz_tui.log.coding_file import CodingError, Codings, coding_path, read_codings
 from woz_tui.log.log_reader import Damage, LogFiles, LogLine, batches, files_of, merge
 from woz_tui.log.sessions import sessions_in
@@ -66,16 +68,38 @@ class LogSource:
         return merge(self.files.paths, damage)
 
 
-def redacted_line(line: LogLine) -> LogLine:
-    """The line without anybody's words, and without `ts`."""
-    fields = redacted(line.fields)
+def shown_line(line: LogLine, *, redact: bool, private: bool = False) -> LogLine:
+    """What an export may have of a line: without anybody's words and `ts`, if it is redacted; and
+    without what is private, unless that was asked for.
+    """
+    fields = line.fields if private else without_private(line.fields)
+    if redact:
+        fields = redacted(fields)
+    return line if fields is line.fields else _anew(line, dict(fields), redact=redact)
+
+
+def _asked_for(line: LogLine) -> LogLine:
+    """The line as if nothing were private in it, since somebody asked for that."""
+    if line.fields.get("private") is not True or line.kind not in private_fields():
+        return line
+    fields = {name: value for name, value in line.fields.items() if name != "private"}
+    return _anew(line, fields, redact=False)
+
+
+def has_private(line: LogLine) -> bool:
+    """Whether an export loses something of it."""
+    return without_private(line.fields) is not line.fields
+
+
+def _anew(line: LogLine, fields: dict[str, Any], *, redact: bool) -> LogLine:
     raw = _encoder.encode(fields)
     try:
         message = codec.decode_message(raw)
     except codec.WireError:
         message = None
     # Nothing of the old line goes along: whatever it has besides is not redacted.
-    return LogLine(line.seq, line.t, "", line.kind, fields, raw, message)
+    ts = "" if redact else line.ts
+    return LogLine(line.seq, line.t, ts, line.kind, fields, raw, message)
 
 
 def find_sources(given: Iterable[Path]) -> tuple[list[LogSource], list[str]]:
@@ -97,7 +121,9 @@ def find_sources(given: Iterable[Path]) -> tuple[list[LogSource], list[str]]:
     return sources, problems
 
 
-def read_session(source: LogSource, *, redact: bool = False) -> ExportSession:
+def read_session(
+    source: LogSource, *, redact: bool = False, private: bool = False
+) -> ExportSession:
     """Reads a session without its samples. Damage never raises: it is in `damage`."""
     damage = Damage()
     session = ExportSession(name=source.files.stem, folders=source.folders, redacted=redact)
@@ -105,7 +131,8 @@ def read_session(source: LogSource, *, redact: bool = False) -> ExportSession:
     sums = _Sums()
     for line in source.lines(damage):
         sums.add(line)
-        extractor.add(line.message, redacted_line(line) if redact else line)
+        shown = shown_line(line, redact=redact, private=private)
+        extractor.add(line.message, _asked_for(shown) if private else shown)
     unread: list[str] = []
     extractor.finish(_codings(source, unread))
     damage_shown = nameless(damage) if redact else damage

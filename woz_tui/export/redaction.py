@@ -14,7 +14,7 @@ from typing import Any
 
 from woz_tui.config.engagement_words import RUNS
 from woz_tui.config.study_words import CUES
-from woz_tui.export.feature_export import kept_fields, kept_places
+from woz_tui.export.feature_export import kept_fields, kept_places, private_fields
 from woz_tui.protocol.messages import Json
 
 PLACEHOLDER = "[redacted]"
@@ -101,6 +101,14 @@ _GIVEN_CODE = re.compile(r"V\d{1,15}|", re.ASCII)
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}", re.ASCII)
 
 
+def without_private(fields: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A line's fields without what is private in it: the same, if nothing is."""
+    lost = private_fields().get(str(fields.get("kind")), frozenset())
+    if fields.get("private") is not True or not lost & fields.keys():
+        return fields
+    return {name: value for name, value in fields.items() if name not in lost}
+
+
 def redacted(fields: Mapping[str, Any]) -> dict[str, Any]:
     """A line's fields without anybody's words, in the same JSON types, and without `ts`."""
     kind, clock = fields.get("kind"), fields.get("clock")
@@ -131,7 +139,7 @@ def _placed(value: Any, place: str, places: Mapping[str, re.Pattern[str]]) -> Js
         case str() if place in places:
             kept = places[place].fullmatch(value) is not None
             return value if kept else _without_words(value, frozenset())
-        case list() if places.get(place) is LABEL and _flat(value):
+        case list() if places.get(place) == LABEL and _flat(value):
             return value
         case list() if _leads(place, places):
             return [

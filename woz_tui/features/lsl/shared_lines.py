@@ -40,7 +40,9 @@ class SharedLines:
             return None
         if isinstance(message, m.ConditionsAssigned) and "conditions" not in self._shares:
             return None
-        if isinstance(message, QuestionnaireAnswered) and "texts" not in self._shares:
+        if isinstance(message, QuestionnaireAnswered) and (
+            message.private or "texts" not in self._shares
+        ):
             return None
         fields: dict[str, Any] = msgspec.to_builtins(message)
         if "texts" not in self._shares:

@@ -20,7 +20,7 @@ import msgspec
 from woz_tui import __version__
 from woz_tui.export.event_model import ExportEvent, ExportSession
 from woz_tui.export.exporter import Exporter, ExportOptions
-from woz_tui.export.log_sources import ExportError, LogSource, redacted_line
+from woz_tui.export.log_sources import ExportError, LogSource, has_private, shown_line
 from woz_tui.export.output_folder import OutputFolder
 from woz_tui.export.visitor_sound import readable_clips
 from woz_tui.log.log_reader import Damage, LogLine
@@ -122,6 +122,7 @@ class McapExporter(Exporter):
     def add(self, session: ExportSession, source: LogSource) -> list[str]:
         """Write one session. The log is read again: lines that are no events are written too."""
         redact, paths = self._options.redact, source.files.actions
+        private, withheld = self._options.private, False
         sums = [] if redact else [*map(_sha256, paths)]
         with (
             self._folder.binary(f"{session.name}.mcap") as file,
@@ -130,11 +131,12 @@ class McapExporter(Exporter):
             for line in source.everything(Damage()):
                 if line.sample and not self._options.samples:
                     continue
-                channels.line(redacted_line(line) if redact else line)
+                withheld = withheld or (not private and has_private(line))
+                channels.line(shown_line(line, redact=redact, private=private))
             for event in session.events:
                 channels.event(event)
             problems = channels.sound(session) if self._options.sound else []
-            for path in () if redact else paths:
+            for path in () if redact or withheld else paths:
                 channels.attach(path)
             return problems
 

@@ -153,7 +153,7 @@ def _item(name: str, kind: str, meaning: str, field: str = "") -> Column[_Defini
 
 
 def _values(variable: Variable) -> Cell:
-    return "; ".join(f"{value} = {text}" for value, text in variable.labels.items()) or None
+    return "; ".join(f"{text} = {value}" for value, text in variable.labels.items()) or None
 
 
 def _end(variable: Variable, *, high: bool) -> Cell:

@@ -30,7 +30,8 @@ from woz_tui.features.questionnaires.kinds import (
 from woz_tui.log.verify import verify
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.envelope import Json
-from woz_tui.protocol.welcome import Questionnaire
+from woz_tui.protocol.panels import ActionView, PanelView
+from woz_tui.protocol.welcome import Questionnaire, WelcomeSettings
 
 pytestmark = pytest.mark.safety
 
@@ -129,6 +130,27 @@ def test_no_end_of_anything_tells_a_secret(tmp_path: Path, to: str) -> None:
     assert "Anna" in content(tmp_path / "open")
     export_logs(log, to, tmp_path / "out", redact=True)
     assert "Anna" not in content(tmp_path / "out")
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_buttons_of_typed_sentences_tell_none(tmp_path: Path, to: str) -> None:
+    name = "typed: Come again, Anna"
+    button = ActionView(name=name, label=name, utterances=["Anna"], then=[name])
+    plan = m.SessionPlan(
+        title="", panels=[PanelView(title="Typed", actions=[button])], verbs={}, variables=[],
+        conditions=[], keyboard="us", drivers=[], settings=WelcomeSettings(),
+    )  # fmt: skip
+    course: list[Timed] = [
+        (0, start()),
+        (1, plan),
+        (3, m.ActionRequested(run="r1", action=name, panel="Typed", source="key", key="8")),
+        (4, m.ActionDone(run="r1", action=name)),
+    ]
+    log = write(tmp_path / "recordings", course)
+    export_logs(log, to, tmp_path / "out", redact=True)
+    found = content(tmp_path / "out")
+    assert "Anna" not in found
+    assert re.search(r"typed: .?\[redacted", found)
 
 
 def test_times_are_the_same_with_and_without_texts(tmp_path: Path) -> None:

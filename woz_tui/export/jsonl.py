@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, BinaryIO
 
 import msgspec
@@ -36,12 +36,13 @@ class JsonlExporter(Exporter):
         actions = self._folder.binary(f"{session.name}.jsonl")
         samples = self._folder.binary(f"{session.name}.samples.jsonl")
         with actions, samples:
-            copy = _Copy(
-                actions, samples, redact=self._options.redact, private=self._options.private
-            )
+            copy = LogCopy(actions, samples, self._shown)
             for line in source.everything(Damage()):
                 copy.add(line)
         return []
+
+    def _shown(self, line: LogLine) -> LogLine:
+        return shown_line(line, redact=self._options.redact, private=self._options.private)
 
 
 def _wordless(line: LogLine) -> bool:
@@ -49,18 +50,26 @@ def _wordless(line: LogLine) -> bool:
     return isinstance(line.message, Reading) and _NO_WORDS.issuperset(line.fields)
 
 
-class _Copy:
+class LogCopy:
+    """A log being copied into two files. `change`: what takes words out of each line that may have
+    some; None: nothing is taken out.
+    """
+
     def __init__(
-        self, actions: BinaryIO, samples: BinaryIO, *, redact: bool, private: bool
+        self,
+        actions: BinaryIO,
+        samples: BinaryIO,
+        change: Callable[[LogLine], LogLine] | None = None,
     ) -> None:
         self._actions, self._samples = actions, samples
-        self._redact, self._private = redact, private
+        self._change = change
         self._sum = hashlib.sha256()
         self._lines = 0
 
     def add(self, line: LogLine) -> None:
-        if not _wordless(line):
-            line = shown_line(line, redact=self._redact, private=self._private)
+        """The next line of the log."""
+        if self._change is not None and not _wordless(line):
+            line = self._change(line)
         if line.sample:
             self._samples.write(line.raw + b"\n")
             return
@@ -73,7 +82,7 @@ class _Copy:
     def _anew(self, kind: str, fields: Mapping[str, Any]) -> dict[str, Any] | None:
         """The fields that differ in the copy; None: the line is copied as it is."""
         match kind:
-            case "session.start" if self._redact:
+            case "session.start" if self._change is not None:
                 return {"redacted": True}
             case "checkpoint":
                 return {"sha256": self._sum.hexdigest(), "lines": self._lines}

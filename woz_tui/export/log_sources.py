@@ -20,8 +20,11 @@ from woz_tui.log.log_reader import Damage, LogFiles, LogLine, batches, files_of,
 from woz_tui.log.sessions import sessions_in
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Reading
+from woz_tui.protocol.panels import TYPED_NAME
 
 _encoder = msgspec.json.Encoder()
+#: As it stands in a line.
+_TYPED = f'"{TYPED_NAME}'.encode()
 
 
 class ExportError(Exception):
@@ -132,7 +135,10 @@ def read_session(
     for line in source.lines(damage):
         sums.add(line)
         shown = shown_line(line, redact=redact, private=private)
-        extractor.add(line.message, _asked_for(shown) if private else shown)
+        # Labels come from the message; those of typed sentences are what somebody wrote.
+        names_typed = redact and _TYPED in line.raw
+        told = _asked_for(shown) if private else shown
+        extractor.add((shown if names_typed else line).message, told)
     unread: list[str] = []
     extractor.finish(_codings(source, unread))
     damage_shown = nameless(damage) if redact else damage

@@ -16,6 +16,7 @@ from woz_tui.config.engagement_words import RUNS
 from woz_tui.config.study_words import CUES
 from woz_tui.export.feature_export import kept_fields, kept_places, private_fields
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.panels import TYPED_NAME
 
 PLACEHOLDER = "[redacted]"
 #: Objects within objects; what is deeper is none of ours.
@@ -162,7 +163,7 @@ def _field(name: str, value: Any, kept: frozenset[str]) -> Any:
     if name == "experiment" and isinstance(value, str):
         return value.replace("\\", "/").rpartition("/")[2]
     if name in kept and _flat(value):
-        return value
+        return _untyped(value)
     if name in VOCABULARY and isinstance(value, dict) and all(map(_flat, value.values())):
         return value
     return _without_words(value, KEPT_INSIDE.get(name, frozenset()))
@@ -172,6 +173,16 @@ def _flat(value: Any) -> bool:
     """Whether it is a text, a number or a list of them: an object in its place is none of ours."""
     items = value if isinstance(value, list) else [value]
     return not any(isinstance(item, dict | list) for item in items)
+
+
+def _untyped(value: Any) -> Any:
+    """Labels as they are; what is called by a sentence that the wizard typed has no words left."""
+    match value:
+        case str() if value.startswith(TYPED_NAME):
+            return f"{TYPED_NAME}{PLACEHOLDER}"
+        case list():
+            return [_untyped(item) for item in value]
+    return value
 
 
 def _without_words(value: Any, kept: frozenset[str], depth: int = 0) -> Json:
@@ -184,7 +195,7 @@ def _without_words(value: Any, kept: frozenset[str], depth: int = 0) -> Json:
             return [_without_words(item, kept, depth + 1) for item in value]
         case dict():
             return {
-                _name(name): item
+                _name(name): _untyped(item)
                 if name in kept and _flat(item)
                 else _without_words(item, kept, depth + 1)
                 for name, item in value.items()

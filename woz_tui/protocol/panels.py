@@ -8,6 +8,8 @@ import msgspec
 
 #: The title of the panel of sentences that a wizard has typed.
 TYPED = "Typed"
+#: Begins the name of an action that is one of these: the sentence comes behind it.
+TYPED_NAME = "typed: "
 
 
 class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

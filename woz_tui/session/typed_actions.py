@@ -19,7 +19,7 @@ from woz_tui.config.file_additions import (
 from woz_tui.config.file_position import NOWHERE, ExperimentError
 from woz_tui.config.reload_changes import compare
 from woz_tui.protocol.markup import sentence
-from woz_tui.protocol.panels import TYPED
+from woz_tui.protocol.panels import TYPED, TYPED_NAME
 from woz_tui.protocol.refusal import RequestError
 
 #: So many are kept; the first make way.
@@ -31,8 +31,6 @@ _KEYS = (*string.digits[1:], "0", *string.ascii_lowercase, *string.ascii_upperca
 
 #: Reads a text as if the experiment file held it; raises `ExperimentError`.
 Reader = Callable[[bytes], Experiment]
-#: Begins the name of such an action where its label alone would not do.
-NAME = "typed: "
 
 
 def with_typed(experiment: Experiment, typed: Sequence[Action]) -> Experiment:
@@ -73,9 +71,9 @@ def with_sentence(
     used = {action.name for panel in experiment.panels for action in panel.actions}
     words = sentence(text).strip() or text
     label = words if len(words) <= LABEL else f"{words[: LABEL - 3].rstrip()}..."
-    name, number = f"{NAME}{label}", 2
+    name, number = f"{TYPED_NAME}{label}", 2
     while name in used:
-        name, number = f"{NAME}{label} ({number})", number + 1
+        name, number = f"{TYPED_NAME}{label} ({number})", number + 1
     call = Call("say", {"text": text}, driver)
     key = _free_key(experiment, key)
     action = Action(name, label, key, TYPED, (ParallelCalls((call,)),), NOWHERE, help="typed")

@@ -9,9 +9,8 @@ from textual.binding import Binding, BindingType
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import ReportDialog
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.protocol.panels import TYPED
+from woz_tui.protocol.panels import TYPED, TYPED_NAME
 from woz_tui.protocol.requests import AskKeepTyped, Reply
-from woz_tui.session.typed_actions import NAME
 
 
 def typed_sentences(state: ConsoleState) -> list[str]:
@@ -21,7 +20,7 @@ def typed_sentences(state: ConsoleState) -> list[str]:
         for panel in state.panels
         if panel.title == TYPED
         for action in panel.actions
-        if action.name.startswith(NAME)
+        if action.name.startswith(TYPED_NAME)
     ]
 
 

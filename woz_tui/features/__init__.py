@@ -19,4 +19,5 @@ FEATURES: tuple[str, ...] = (
     "woz_tui.features.blocks:Blocks",
     "woz_tui.features.lsl:Lsl",
     "woz_tui.features.page:Page",
+    "woz_tui.features.bundle:Bundle",
 )

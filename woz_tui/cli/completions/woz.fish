@@ -50,8 +50,8 @@ function _shtab_woz_using
   test "$_shtab_woz_cmdpath" = "$argv"
 end
 
-set -g _shtab_woz_commands run demo train attach page host new check robots convert design visitors 'visitors list' 'visitors show' 'visitors add' 'visitors rename' 'visitors profile' 'visitors forget' engagement schema say voices render record-move hands midi 'midi learn' 'midi show' listen talk bml bridge mcp lsl access 'access new' 'access list' 'access revoke' drivers replay coding compare report export participants methods doctor reset completion
-set -g _shtab_woz_opts_with_value --access --address --age-group --as --at --bin --body --by --certificate --code --coder --coders --condition --conditions --copy --count --count-in --csv --cue-state --days --device --drop --experiment --feedback-port --figures --file --filter --format --from --html --inputs --key --keyboard --keymap --label --language --layer --layout --like --listen --login --loud --max-idle --media --mute --name --offset --on --out --output --participant --participants --passcode-file --pictures --pitch --profile --questionnaire --rate --recordings --request --rerun --rerun-wait --robot --samples --seconds --seed --serve --session --sessions --set --share --signs --social-distance --speed --spill --spreadsheet --stale --start-up --stomp --stream --template --terminal --theme --threshold --tier --to --told --topics --train-count --turns --unmute --virtual-host --voice --volume --why --window --with --wizard --woz -o
+set -g _shtab_woz_commands run demo train attach page host new check robots convert design visitors 'visitors list' 'visitors show' 'visitors add' 'visitors rename' 'visitors profile' 'visitors forget' engagement schema say voices render record-move hands midi 'midi learn' 'midi show' listen talk bml bridge mcp lsl access 'access new' 'access list' 'access revoke' drivers replay coding compare report export bundle participants methods doctor reset completion
+set -g _shtab_woz_opts_with_value --about --access --address --age-group --as --at --bin --body --by --certificate --code --coder --coders --condition --conditions --copy --count --count-in --csv --cue-state --days --device --drop --experiment --feedback-port --figures --file --filter --format --from --html --inputs --key --keyboard --keymap --label --language --layer --layout --like --listen --login --loud --max-idle --media --mute --name --offset --on --out --output --participant --participants --passcode-file --pictures --pitch --profile --public --questionnaire --rate --recordings --request --rerun --rerun-wait --robot --samples --seconds --seed --serve --session --sessions --set --share --signs --social-distance --speed --spill --spreadsheet --stale --start-up --stomp --stream --study --template --terminal --theme --threshold --tier --to --told --topics --train-count --turns --unmute --virtual-host --voice --volume --why --window --with --wizard --woz -o
 
 complete -c woz -e
 complete -c woz -f
@@ -435,6 +435,7 @@ complete -c woz -n '_shtab_woz_using export' -l to -xka "csv eaf bids textgrid j
 complete -c woz -n '_shtab_woz_using export' -l out -xka "(__fish_complete_path (commandline -ct))" -d 'a new or empty folder'
 complete -c woz -n '_shtab_woz_using export' -l force -d 'replace an earlier export in FOLDER'
 complete -c woz -n '_shtab_woz_using export' -l redact-text -d 'replace all spoken, typed and written text, and remove dates and sound'
+complete -c woz -n '_shtab_woz_using export' -l private -d 'include answers that the experiment file calls private'
 complete -c woz -n '_shtab_woz_using export' -l samples -d 'include the values of the sensors (csv, bids, mcap)'
 complete -c woz -n '_shtab_woz_using export' -l no-sound -d 'leave out the sound of the visitor'"'"'s voice (eaf, textgrid)'
 complete -c woz -n '_shtab_woz_using export' -l spreadsheet -xka "de en es fr it ja nl sv" -d 'tables as a spreadsheet in this language opens them by a double click (csv): de, en, es, fr, it, ja, nl, sv'
@@ -443,6 +444,18 @@ complete -c woz -n '_shtab_woz_using export' -l stream -x -d 'the stream whose f
 complete -c woz -n '_shtab_woz_using export' -l media -xka "(__fish_complete_path (commandline -ct))" -d 'a video or sound'
 complete -c woz -n '_shtab_woz_using export' -l offset -x -d 'time in the video at which the session begins; negative: the session began earlier (default: 0)'
 complete -c woz -n '_shtab_woz_using export; and test $_shtab_woz_npos -ge 0' -ka "(__fish_complete_path (commandline -ct))" -d 'a log, or a folder of logs'
+complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a bundle -d 'one folder to deposit: redacted logs, tables, codebook, figures, methods text'
+complete -c woz -n '_shtab_woz_using bundle' -s h -l help -d 'show this help message and exit'
+complete -c woz -n '_shtab_woz_using bundle' -l out -xka "(__fish_complete_path (commandline -ct))" -d 'a new or empty folder'
+complete -c woz -n '_shtab_woz_using bundle' -l about -xka "(__fish_complete_path (commandline -ct))" -d 'what no log knows: authors, licence, ethics and so on (default: none)'
+complete -c woz -n '_shtab_woz_using bundle' -l study -xka "(__fish_complete_path (commandline -ct))" -d 'the experiment file as it was registered (default: as the first session played it)'
+complete -c woz -n '_shtab_woz_using bundle' -l recode -d 'draw new codes for participants; no key is kept'
+complete -c woz -n '_shtab_woz_using bundle' -l media -d 'sound and pictures too, if about.yaml has share: [media]'
+complete -c woz -n '_shtab_woz_using bundle' -l samples -d 'the values of the sensors as a table, too'
+complete -c woz -n '_shtab_woz_using bundle' -l public -x -d 'a text that may stand in the bundle although it was withheld as somebody'"'"'s word'
+complete -c woz -n '_shtab_woz_using bundle' -l force -d 'replace an earlier bundle in FOLDER'
+complete -c woz -n '_shtab_woz_using bundle' -l strict -d 'exit with 1 while TODO.md has anything to be done'
+complete -c woz -n '_shtab_woz_using bundle; and test $_shtab_woz_npos -ge 0' -ka "(__fish_complete_path (commandline -ct))" -d 'a log, or a folder of logs'
 complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a participants -d 'list the codes of a study, find one'"'"'s files, take a participant out'
 complete -c woz -n '_shtab_woz_using participants' -s h -l help -d 'show this help message and exit'
 complete -c woz -n '_shtab_woz_using participants' -l code -x -d 'list every file in which this code stands'

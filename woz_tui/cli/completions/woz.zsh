@@ -14,6 +14,7 @@ _shtab_woz_commands() {
     attach:'join a running session'
     bml:'play behaviour blocks (BML 1.0) in a running session, or print their timetable'
     bridge:'play what a planner sends on the topics of a robot'"'"'s own software (EyePi)'
+    bundle:'one folder to deposit: redacted logs, tables, codebook, figures, methods text'
     check:'check an experiment file and show its keys'
     coding:'list codes that were set in replays, and the agreement of two coders'
     compare:'compare two sessions, or a session and its re-run'
@@ -172,6 +173,23 @@ _shtab_woz_bridge_options=(
 # guard to ensure default positional specs are added only once per session
 _shtab_woz_bridge_defaults_added=0
 
+_shtab_woz_bundle_options=(
+  "(- : *)"{-h,--help}"[show this help message and exit]"
+  "--out[a new or empty folder]:FOLDER:_files"
+  "--about[what no log knows\: authors, licence, ethics and so on (default\: none)]:FILE:_files"
+  "--study[the experiment file as it was registered (default\: as the first session played it)]:FILE:_files"
+  "--recode[draw new codes for participants\; no key is kept]"
+  "--media[sound and pictures too, if about.yaml has share\: \[media\]]"
+  "--samples[the values of the sensors as a table, too]"
+  "*--public[a text that may stand in the bundle although it was withheld as somebody\'s word]:TEXT:"
+  "--force[replace an earlier bundle in FOLDER]"
+  "--strict[exit with 1 while TODO.md has anything to be done]"
+  "(*):a log, or a folder of logs:_files"
+)
+
+# guard to ensure default positional specs are added only once per session
+_shtab_woz_bundle_defaults_added=0
+
 _shtab_woz_check_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
   "--keys[the table of keys, as the wizard\'s terminal sends them]"
@@ -319,6 +337,7 @@ _shtab_woz_export_options=(
   "--out[a new or empty folder]:FOLDER:_files"
   "--force[replace an earlier export in FOLDER]"
   "--redact-text[replace all spoken, typed and written text, and remove dates and sound]"
+  "--private[include answers that the experiment file calls private]"
   "--samples[include the values of the sensors (csv, bids, mcap)]"
   "--no-sound[leave out the sound of the visitor\'s voice (eaf, textgrid)]"
   "--spreadsheet[tables as a spreadsheet in this language opens them by a double click (csv)\: de, en, es, fr, it, ja, nl, sv]:LANGUAGE:(de en es fr it ja nl sv)"
@@ -794,6 +813,7 @@ _shtab_woz() {
         attach) _arguments -C -s $_shtab_woz_attach_options ;;
         bml) _arguments -C -s $_shtab_woz_bml_options ;;
         bridge) _arguments -C -s $_shtab_woz_bridge_options ;;
+        bundle) _arguments -C -s $_shtab_woz_bundle_options ;;
         check) _arguments -C -s $_shtab_woz_check_options ;;
         coding) _arguments -C -s $_shtab_woz_coding_options ;;
         compare) _arguments -C -s $_shtab_woz_compare_options ;;

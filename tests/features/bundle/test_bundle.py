@@ -1,0 +1,268 @@
+"""A bundle: whole, readable by others' programs, and without anybody's words or codes."""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import hashlib
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import frictionless
+import pytest
+
+from tests.export import secret_log
+from tests.export.test_bids import validated
+from tests.export.test_redaction import NEVER, field_of, promised
+from tests.features.bundle.deposited import ANSWERS, EXPERIMENT, NAME, bundled, recorded
+from woz_tui.config.about_file import About, AuthorEntry, missing_in
+from woz_tui.export.log_sources import ExportError
+from woz_tui.features.bundle.bundle import BundleError
+
+ABOUT = About(
+    title="Warm or sober",
+    authors=(AuthorEntry("Ada Example", "0000-0002-1825-0097", "University of Examples"),),
+    licence="CC-BY-4.0",
+    share=("media",),
+)
+TABLE = re.compile(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
+#: The keywords of Psych-DS; others are a warning.
+KEYWORDS = {"study", "site", "subject", "session", "task", "condition", "trial", "stimulus"} | {
+    "description"
+}
+
+
+@pytest.fixture(scope="module")
+def bundle(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("study")
+    bundled(recorded(folder / "recordings"), folder / "osf", ABOUT, recode=True)
+    return folder / "osf"
+
+
+def table(bundle: Path, name: str) -> list[dict[str, str]]:
+    [path] = bundle.glob(f"data/*description-{name}_data.csv")
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def everything(folder: Path) -> dict[str, bytes]:
+    """Each file's bytes, with its name, unpacked."""
+    return {
+        str(path.relative_to(folder)): gzip.decompress(path.read_bytes())
+        if path.suffix == ".gz"
+        else path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+
+
+def test_it_has_what_a_repository_asks_for(bundle: Path) -> None:
+    names = {path.name for path in bundle.iterdir()}
+    assert names == {
+        *("README.md", "CHANGES.md", "LICENSE", "CITATION.cff", "TODO.md", "MANIFEST.sha256"),
+        *("dataset_description.json", "datapackage.json", "codebook.md", "codebook.csv"),
+        *("data", "materials", "documentation", "analysis", "results"),
+    }
+    assert (bundle / "materials" / "study.yaml").read_text() == EXPERIMENT
+    assert (bundle / "results" / "report.html").exists()
+    assert (bundle / "results" / "figures" / "mistake_rate.svg").exists()
+    assert "CC-BY-4.0" in (bundle / "LICENSE").read_text()
+    cited = (bundle / "CITATION.cff").read_text()
+    assert 'family-names: "Example"' in cited
+    assert "type: dataset" in cited
+
+
+def test_the_manifest_has_every_other_file(bundle: Path) -> None:
+    lines = (bundle / "MANIFEST.sha256").read_text().splitlines()
+    listed = {name: digest for digest, name in (line.split("  ", 1) for line in lines)}
+    found = {
+        name: hashlib.sha256((bundle / name).read_bytes()).hexdigest()
+        for name in map(str, (p.relative_to(bundle) for p in bundle.rglob("*") if p.is_file()))
+        if name != "MANIFEST.sha256"
+    }
+    assert listed == found
+
+
+def test_frictionless_accepts_its_tables(bundle: Path) -> None:
+    report = frictionless.Package(str(bundle / "datapackage.json")).validate()
+    assert report.flatten(["rowNumber", "fieldName", "type", "message"]) == []
+    assert len(report.tasks) == len([*bundle.glob("data/*_data.csv")])
+
+
+def test_the_bids_validator_accepts_its_bids(bundle: Path) -> None:
+    validated(bundle / "documentation" / "bids")
+
+
+def test_it_keeps_the_rules_of_psych_ds(bundle: Path) -> None:
+    """As its public schema says them; its validator did not run here."""
+    description = json.loads((bundle / "dataset_description.json").read_text())
+    assert description["@context"] in ("https://schema.org/", "http://schema.org/")
+    assert description["@type"] == "Dataset"
+    assert {"name", "description", "variableMeasured"} <= description.keys()
+    measured = [each["name"] for each in description["variableMeasured"]]
+    assert len(measured) == len(set(measured))
+    files = sorted((bundle / "data").glob("*"))
+    assert [path for path in files if path.suffix == ".csv"]
+    for path in files:
+        if path.suffix != ".csv":
+            continue
+        assert TABLE.fullmatch(path.name)
+        assert set(re.findall(r"(?:^|_)([a-z]+)-", path.name)) <= KEYWORDS
+        with path.open(encoding="utf-8", newline="") as file:
+            head, *rows = csv.reader(file)
+        assert set(head) <= set(measured)
+        assert len(set(head)) == len(head)
+        assert {len(row) for row in rows} <= {len(head)}
+        assert "row_id" not in head  # its values would have to differ
+    for name in ("README.md", "CHANGES.md"):
+        assert (bundle / name).read_text().strip()
+    # One of this name alone: another one is in the wrong place, but below documentation/.
+    others = {path.parent.relative_to(bundle).parts[:1] for path in bundle.rglob("dataset_desc*")}
+    assert others == {(), ("documentation",)}
+
+
+def test_no_name_and_no_code_of_the_lab_is_in_any_byte(bundle: Path) -> None:
+    content = everything(bundle)
+    for name, data in content.items():
+        for part in NAME.replace("-", " ").split():
+            assert part.encode() not in data, name
+            assert part not in name
+        if not name.startswith("materials/"):  # the file's own comment has P01 ... P99
+            assert not re.search(rb"\bP0[123]\b|2026-03-0", data), name
+            assert not re.search(r"P0[123]|2026-03", name)
+    codes = {row["participant"] for row in table(bundle, "answers")}
+    assert len(codes) == len(ANSWERS)
+
+
+def test_no_secret_of_any_kind_of_message_is_in_any_byte(tmp_path: Path) -> None:
+    """What the experiment file says is none; of all else, no more than redaction promises."""
+    secrets = secret_log.Secrets()
+    recordings = tmp_path / "recordings"
+    secret_log.write(recordings, secrets)
+    own = {"session.plan", "experiment.files"}
+    planned = [f"Ms {token} & <co>" for token, (kind, _) in secrets.told.items() if kind in own]
+    bundled(recordings, tmp_path / "osf", public=planned)
+    found = "\n".join(
+        f"{name}\n{data.decode('utf-8', 'replace')}"
+        for name, data in everything(tmp_path / "osf").items()
+    )
+    leaked = {(kind, field_of(path)) for kind, path in secrets.leaked(found) if kind not in own}
+    assert {field for _, field in leaked} <= promised() | {"robot"}  # the name of a robot's file
+    assert not {field.partition(".")[0] for _, field in leaked} & NEVER
+
+
+def test_the_codebook_is_of_the_file_not_of_the_answers(bundle: Path) -> None:
+    with (bundle / "codebook.csv").open(encoding="utf-8", newline="") as file:
+        rows = {(row["table"], row["variable"]): row for row in csv.DictReader(file)}
+    pleasant = rows["answers", "robot_ux_pleasant"]
+    assert pleasant["question"] == "I enjoyed being with this robot."
+    assert (pleasant["values"], pleasant["type"]) == ("1 = not at all; 7 = very much", "integer")
+    assert rows["answers", "robot_ux_words"]["missing"].startswith("withheld")
+    head = table(bundle, "answers")[0].keys()
+    assert {name for of, name in rows if of == "answers"} - set(head) == {"robot_ux_words"}
+    for name in ("events", "questionnaires"):
+        assert set(table(bundle, name)[0]) == {each for of, each in rows if of == name}
+    # What was asked stays in tables and logs: only what was said goes.
+    assert {row["question"] for row in table(bundle, "questionnaires")} >= {
+        "Was a person behind it?"
+    }
+
+
+def test_its_script_reproduces_means_of_the_report(bundle: Path) -> None:
+    ran = subprocess.run(
+        [sys.executable, str(bundle / "analysis" / "read.py")],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    means = {
+        (row["item"], row["condition"]): float(row["mean"])
+        for row in csv.DictReader(ran.stdout.splitlines())
+    }
+    for condition in ("warm", "sober"):
+        known = [pleasant[condition] for _, pleasant, _ in ANSWERS.values()]
+        expected = pytest.approx(sum(known) / len(known), abs=1e-3)
+        assert means["robot_ux_pleasant", condition] == expected
+    assert means["end_person", ""] == pytest.approx(7 / 3, abs=1e-3)
+    report = next((bundle / "results" / "figures").glob("*pleasant.csv"))
+    with report.open(encoding="utf-8", newline="") as file:
+        rows = {row["condition"]: row for row in csv.DictReader(file)}
+    for condition in ("warm", "sober"):
+        reported = pytest.approx(float(rows[condition]["mean"]), abs=1e-2)
+        assert means["robot_ux_pleasant", condition] == reported
+
+
+def test_labels_are_in_the_scripts_for_r_and_spss(bundle: Path) -> None:
+    r, spss = ((bundle / "analysis" / name).read_text() for name in ("read.R", "read.sps"))
+    assert 'c("not at all" = 1, "very much" = 7)' in r
+    assert "VALUE LABELS robot_ux_pleasant 1 'not at all' 7 'very much'." in spss
+    assert "robot_ux_words" not in r + spss
+
+
+def test_criteria_say_where_each_answer_is_from(bundle: Path) -> None:
+    with (bundle / "documentation" / "riek.csv").open(encoding="utf-8", newline="") as file:
+        rows = {row["criterion"]: row for row in csv.DictReader(file)}
+    assert rows["Users: how many"]["source"] == "log"
+    assert "3 participants took part" in rows["Users: how many"]["answer"]
+    assert "experiment file" in rows["Wizards: who, and what they knew"]["source"]
+    assert rows["General: scenario"] == {
+        "criterion": "General: scenario", "answer": "", "source": "missing"
+    }  # fmt: skip
+
+
+def test_what_was_played_otherwise_than_registered_is_a_diff(tmp_path: Path) -> None:
+    registered = tmp_path / "registered.yaml"
+    registered.write_text(EXPERIMENT)
+    changed = EXPERIMENT.replace("The tour begins now.", "Shall we begin?")
+    bundled(recorded(tmp_path / "r", last=changed), tmp_path / "osf", registered=registered)
+    text = (tmp_path / "osf" / "documentation" / "deviations.md").read_text()
+    assert "2 sessions began with it\n\nAs registered." in text
+    assert "1 session began with it" in text
+    assert "Shall we begin?" in text
+    planned = (tmp_path / "osf" / "documentation" / "preregistration.md").read_text()
+    assert hashlib.sha256(EXPERIMENT.encode()).hexdigest() in planned
+    assert "## Hypotheses\n\n*(to be written by hand)*" in planned
+    assert "a Latin square (Williams)" in planned
+    assert "`end_person`, asked at the end: Was a person behind it?" in planned
+
+
+def test_what_is_missing_is_listed(bundle: Path) -> None:
+    text = (bundle / "TODO.md").read_text()
+    for name, doc in missing_in(ABOUT):
+        assert f"- [ ] `{name}`: {doc}" in text
+    assert "`title`" not in text
+
+
+def test_sound_is_there_by_choice_and_agreement(tmp_path: Path) -> None:
+    recordings = recorded(tmp_path / "r")
+    with pytest.raises(BundleError, match="only if participants agreed"):
+        bundled(recordings, tmp_path / "osf", media=True)
+    assert not (tmp_path / "osf").exists()
+    bundled(recordings, tmp_path / "osf", ABOUT, media=True, recode=True)
+    sounds = [*(tmp_path / "osf" / "data" / "media").rglob("*.wav")]
+    assert [path.name for path in sounds] == ["0001.wav"] * 3
+
+
+def test_words_that_get_in_all_the_same_stop_it(tmp_path: Path) -> None:
+    """As a label that somebody has typed would: here, the name of an action that no file has."""
+    recordings = recorded(tmp_path / "r")
+    log = sorted(recordings.glob("*_P03_*.jsonl"))[0]
+    log.write_bytes(
+        log.read_bytes().replace(b'"action":"Hello"', f'"action":"{NAME}, smiling"'.encode())
+    )
+    with pytest.raises(BundleError, match="texts that were withheld stand in it") as raised:
+        bundled(recordings, tmp_path / "osf")
+    assert NAME in raised.value.what
+    assert not (tmp_path / "osf").exists()
+    bundled(recordings, tmp_path / "osf", public=[f"{NAME}, smiling"])
+
+
+def test_logs_are_never_replaced(tmp_path: Path) -> None:
+    recordings = recorded(tmp_path / "r")
+    with pytest.raises((BundleError, ExportError)):
+        bundled(recordings, recordings)
+    assert len([*recordings.glob("*.jsonl")]) == 6

@@ -1,0 +1,307 @@
+"""Writes the folder: first the published copies of the logs, then everything else out of them, so
+that nothing can stand in it that was withheld from the copies.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import shutil
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from woz_tui.analysis.figure_files import write_figures
+from woz_tui.analysis.html.report_page import writing
+from woz_tui.analysis.methods_section import paragraphs
+from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.analysis.session_reading import ReportExtras, read_report
+from woz_tui.analysis.study_figures import Studies
+from woz_tui.config.about_file import About, missing_in
+from woz_tui.export.export_run import export
+from woz_tui.export.exporter import ExportOptions
+from woz_tui.export.log_sources import LogSource, UniqueNames, read_session
+from woz_tui.export.output_folder import README, OutputFolder, new_folder
+from woz_tui.features.bundle import (
+    codebook,
+    deposit_texts,
+    preregistration,
+    reading_scripts,
+    riek,
+)
+from woz_tui.features.bundle.codebook import Variable, items_of
+from woz_tui.features.bundle.data_tables import DataTables, columns_of, variables_measured
+from woz_tui.features.bundle.participant_codes import drawn_codes
+from woz_tui.features.bundle.session_copies import (
+    PlayedFile,
+    PublishedLine,
+    StudyMaterials,
+    copy_sessions,
+)
+from woz_tui.features.bundle.withheld_texts import WithheldTexts
+from woz_tui.log.file_names import media_folder
+from woz_tui.log.log_reader import files_of
+from woz_tui.log.withdrawals import withdrawn_codes
+
+MANIFEST, TODO = "MANIFEST.sha256", "TODO.md"
+_LOGS = "data/logs"
+_MEDIA = "data/media"
+
+
+class BundleError(Exception):
+    """The bundle cannot be made; `remedy` says what to do."""
+
+    def __init__(self, what: str, remedy: str) -> None:
+        super().__init__(f"{what} ({remedy})")
+        self.what = what
+        self.remedy = remedy
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BundleOptions:
+    """What a bundle is to have.
+
+    Attributes:
+        about: What no log knows.
+        registered: The experiment file as it was registered; None: as it was played first.
+        recode: Draw new codes for participants.
+        media: Sound and pictures, too.
+        samples: Values of sensors as a table, too.
+        public: Texts that may stand in it although they were withheld.
+    """
+
+    about: About
+    registered: Path | None = None
+    recode: bool = False
+    media: bool = False
+    samples: bool = False
+    public: Sequence[str] = ()
+
+
+@dataclass(slots=True)
+class BundleResult:
+    """What was written: `missing` sentences are in its list of what is to be done."""
+
+    sessions: int = 0
+    participants: int = 0
+    files: int = 0
+    missing: list[str] = field(default_factory=list)
+
+
+def write_bundle(
+    sources: Sequence[LogSource], out: Path, options: BundleOptions, *, force: bool = False
+) -> BundleResult:
+    """Write the new folder `out`, in whole or not at all.
+
+    Raises:
+        BundleError: It may not be made so.
+        ExportError: `out` is in the way.
+        OSError: Something cannot be read or written.
+    """
+    if options.media and "media" not in options.about.share:
+        raise BundleError(
+            "sound and pictures may be shared only if participants agreed",
+            "write share: [media] into about.yaml, or leave --media out",
+        )
+    for source in sources:
+        if any(path.resolve().is_relative_to(out.resolve()) for path in source.files.paths):
+            raise BundleError(f"{source.log.name} lies in {out} itself", "name another with --out")
+    materials = StudyMaterials()
+    for source in sources:
+        materials.read(source)
+    with new_folder(out, force=force) as folder:
+        return _Bundle(folder, options, materials).write(sources)
+
+
+class _Bundle:
+    def __init__(
+        self, folder: OutputFolder, options: BundleOptions, materials: StudyMaterials
+    ) -> None:
+        self._folder = folder
+        self._options = options
+        self._about = options.about
+        self._materials = materials
+        self._codes = drawn_codes(materials.codes) if options.recode else {}
+        self._withheld = WithheldTexts()
+        self._items: list[Variable] = items_of(materials.questionnaires.values())
+        title = materials.plan.title if materials.plan is not None else ""
+        self._title = self._about.title or title or "Sessions with a wizard"
+        self._study = re.sub(r"[^A-Za-z0-9]", "", self._title)[:40] or "woz"
+        self._to_do: list[str] = []
+
+    def write(self, sources: Sequence[LogSource]) -> BundleResult:
+        published = PublishedLine(self._materials, self._codes, self._withheld)
+        copies = copy_sessions(sources, self._folder, _LOGS, published)
+        self._copy_media(copies)
+        logs = [LogSource(files_of(copy, [])) for _, copy in copies]
+        self._tables(logs)
+        self._bids(logs)
+        self._results(logs, sources)
+        self._materials_files()
+        self._preregistration()
+        self._scripts()
+        self._rest()
+        self._refuse_withheld()
+        self._manifest()
+        missing = [f"about.yaml: {name} ({doc})" for name, doc in missing_in(self._about)]
+        return BundleResult(
+            len(sources),
+            len(self._materials.codes),
+            len(self._folder.names()),
+            [*missing, *self._to_do],
+        )
+
+    def _copy_media(self, copies: Sequence[tuple[LogSource, Path]]) -> None:
+        """Names of files are numbers: those of the recorder have no code, but others might."""
+        if not self._options.media:
+            return
+        for source, copy in copies:
+            place = media_folder(source.log)
+            found = sorted(path for path in place.rglob("*") if path.is_file())
+            for number, path in enumerate(found, 1):
+                name = f"{_MEDIA}/{copy.stem}/{number:04}{path.suffix.lower()}"
+                with path.open("rb") as original, self._folder.binary(name) as written:
+                    shutil.copyfileobj(original, written)
+
+    def _tables(self, logs: Sequence[LogSource]) -> None:
+        tables = DataTables(self._folder, self._study, self._items, self._options.samples)
+        with closing(tables):
+            for source in logs:
+                session = read_session(source)
+                session.figures = replace(session.figures, stem=session.name)
+                tables.add(session, source)
+            package = tables.finish()
+        package = {**package, "title": self._title}
+        if self._about.licence:
+            package["licenses"] = [{"name": self._about.licence}]
+        variables = [*self._items, *columns_of(package)]
+        self._write("datapackage.json", json.dumps(package, indent=2, ensure_ascii=False) + "\n")
+        self._write("codebook.csv", codebook.as_csv(variables))
+        self._write("codebook.md", codebook.as_markdown(variables))
+        measured = variables_measured(package)
+        self._write(
+            "dataset_description.json",
+            deposit_texts.description(self._title, self._about, measured),
+        )
+
+    def _bids(self, logs: Sequence[LogSource]) -> None:
+        out = self._folder.path / "documentation" / "bids"
+        for _ in export(logs, "bids", out, ExportOptions(sound=False, samples=False)):
+            pass
+
+    def _results(self, logs: Sequence[LogSource], sources: Sequence[LogSource]) -> None:
+        """The report, figures, and the texts that are made of the same facts."""
+        grouped, studies, folder = GroupedSessions(), Studies(), self._folder.path / "results"
+        folder.mkdir(mode=0o700)
+        extras = ReportExtras(timeline=True)
+        page_path = folder / "report.html"
+        with writing(page_path, grouped, len(logs)) as page:
+            for source in logs:
+                report = read_report(source.log, extras=extras, places=[])
+                grouped.add(report.figures)
+                studies.add(report.figures)
+                page.add(report)
+        write_figures(folder / "figures", grouped)
+        found = next(iter(studies.found.values()), None)
+        told = paragraphs(found) if found is not None else []
+        if len(studies.found) > 1:
+            self._to_do.append(
+                "these are sessions of several experiments: make a bundle for each, since the"
+                " methods text is of the first"
+            )
+        text = "".join(f"\n## {each.head}\n\n{' '.join(each.sentences)}\n" for each in told)
+        self._write("documentation/methods.md", f"# Method\n{text}")
+        criteria = riek.criteria(told, self._about, self._materials.plan)
+        self._write("documentation/riek.csv", riek.as_csv(criteria))
+        self._write("documentation/riek.md", riek.as_markdown(criteria))
+        withdrew = len(withdrawn_codes({folder for each in sources for folder in each.folders}))
+        if withdrew:
+            words = f"{withdrew} withdrew; nothing of them is here.\n"
+            self._write("documentation/withdrawals.md", words)
+
+    def _materials_files(self) -> None:
+        names = UniqueNames()
+        for number, version in enumerate(reversed(self._materials.versions.values())):
+            inside = "materials" if not number else f"materials/versions/{version.sha256[:8]}"
+            for name, text in version.files.items():
+                place = names.unique(f"{inside}/{_safe(name)}")
+                self._write(place, text)
+            for name in version.left_out:
+                self._to_do.append(f"materials: {_safe(name)} was too large for the log; add it")
+        if not self._materials.versions:
+            self._to_do.append("materials: no log has the experiment file; add it")
+
+    def _registered(self) -> PlayedFile | None:
+        path = self._options.registered
+        if path is not None:
+            return PlayedFile({path.name: path.read_text(encoding="utf-8")})
+        return next(iter(self._materials.versions.values()), None)
+
+    def _preregistration(self) -> None:
+        registered = self._registered()
+        if registered is None:
+            return
+        text = preregistration.preregistration(
+            registered, self._materials.plan, self._items, self._about
+        )
+        self._write("documentation/preregistration.md", text)
+        if preregistration.GAP in text:
+            self._to_do.append(f"documentation/preregistration.md: fill in {preregistration.GAP}")
+        versions = self._materials.versions.values()
+        changes = preregistration.deviations(registered, versions, self._materials.sessions)
+        self._write("documentation/deviations.md", changes)
+
+    def _scripts(self) -> None:
+        self._write("analysis/read.py", reading_scripts.python_script(self._study))
+        self._write("analysis/read.R", reading_scripts.r_script(self._study, self._items))
+        self._write("analysis/read.sps", reading_scripts.spss_script(self._study, self._items))
+
+    def _rest(self) -> None:
+        self._write("LICENSE", deposit_texts.licence(self._about))
+        self._write("CHANGES.md", "# Changes\n\n1. First deposit.\n")
+        if cited := deposit_texts.citation(self._title, self._about):
+            self._write("CITATION.cff", cited)
+        missing = missing_in(self._about)
+        if missing or self._to_do:
+            self._write(TODO, deposit_texts.to_do(missing, self._to_do))
+        text = deposit_texts.readme(
+            self._title,
+            self._about,
+            recoded=bool(self._codes),
+            media=self._options.media,
+            files=[README, MANIFEST, *self._folder.names()],
+        )
+        self._write(README, text)
+
+    def _refuse_withheld(self) -> None:
+        known = [*self._materials.own_texts(), *self._options.public, *self._about_texts()]
+        found = self._withheld.found_in(self._folder.path, known)
+        if found:
+            places = "\n".join(f"  {name}: {text}" for name, text in found[:10])
+            raise BundleError(
+                f"nothing was written: texts that were withheld stand in it:\n{places}\n",
+                "if one of them is nobody's word, allow it with --public TEXT",
+            )
+
+    def _about_texts(self) -> Iterator[str]:
+        yield deposit_texts.description(self._title, self._about, [])
+        yield deposit_texts.readme(self._title, self._about, recoded=True, media=True, files=[])
+        yield riek.as_markdown(riek.criteria([], self._about, None))
+
+    def _manifest(self) -> None:
+        lines = []
+        for name in sorted(self._folder.names()):
+            with (self._folder.path / name).open("rb") as file:
+                lines.append(f"{hashlib.file_digest(file, 'sha256').hexdigest()}  {name}\n")
+        self._write(MANIFEST, "".join(lines))
+
+    def _write(self, name: str, text: str) -> None:
+        self._folder.write(name, text)
+
+
+def _safe(name: str) -> str:
+    """A name inside the folder: what lies above the experiment is named from there."""
+    parts = [part for part in name.replace("\\", "/").split("/") if part not in ("", ".", "..")]
+    return "/".join(part for part in parts if part != "~") or "file"

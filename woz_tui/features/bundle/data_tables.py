@@ -1,0 +1,188 @@
+"""The tables of a bundle, with what describes them: a Frictionless data package, and the metadata
+of Psych-DS, in which a column has one meaning in the whole data set.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TextIO
+
+from woz_tui.analysis.csv_package import DICTIONARY, TableFiles
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.tables import EVENTS, SAMPLES, Cell, rounded
+from woz_tui.export.event_model import ExportSession
+from woz_tui.export.log_sources import LogSource
+from woz_tui.export.output_folder import OutputFolder
+from woz_tui.features.bundle.codebook import ANSWERS, Variable
+from woz_tui.features.questionnaires.figures import AnswerRow, asked_in
+from woz_tui.log.damage import Damage
+from woz_tui.system.text_cleaning import cell
+
+#: Tables of `woz export` that are not in a bundle: `answers` has items by names that every program
+#: takes.
+_LEFT_OUT = frozenset({"questionnaires_wide"})
+#: What tells rows of `answers` apart.
+_KEYS = (
+    Variable(ANSWERS, "participant", "code of the participant, drawn for this bundle", "string"),
+    Variable(ANSWERS, "session", "code of the session", "string"),
+    Variable(
+        ANSWERS, "condition", "what it was asked about; empty: once, about no condition", "string"
+    ),
+    Variable(ANSWERS, "round", "how often it was asked about this condition, from 1", "integer"),
+)
+
+
+def table_file(study: str, table: str) -> str:
+    """Where a table is, as Psych-DS wants it: names are pairs of a keyword and a value, which has
+    letters and digits alone.
+    """
+    plain = re.sub(r"[^A-Za-z0-9]", "", table)
+    return f"data/study-{study}_description-{plain}_data.csv"
+
+
+@dataclass(slots=True)
+class DataTables:
+    """Writes the tables of all sessions. `items` are the columns of `answers`."""
+
+    folder: OutputFolder
+    study: str
+    items: Sequence[Variable]
+    samples: bool = False
+    _tables: TableFiles = field(init=False)
+    _kept: dict[str, io.StringIO] = field(default_factory=dict)
+    _answers: dict[tuple[str, str, str, int], dict[str, Cell]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        more = [EVENTS, *([SAMPLES] if self.samples else [])]
+        self._tables = TableFiles(self._opened, more)
+
+    def _opened(self, name: str) -> TextIO:
+        table = name.removesuffix(".csv")
+        if name == DICTIONARY or table in _LEFT_OUT:
+            stream = self._kept[table] = _Kept()
+            return stream
+        return self.folder.text(table_file(self.study, table))
+
+    def add(self, session: ExportSession, source: LogSource) -> None:
+        """Write one session."""
+        self._tables.add(session.figures)
+        self._tables.write(EVENTS, session.figures, session.events)
+        if self.samples:
+            self._tables.write(SAMPLES, session.figures, source.samples(Damage()))
+        self._add_answers(session.figures)
+
+    def _add_answers(self, figures: SessionFigures) -> None:
+        columns = {(each.questionnaire, each.item): each for each in self.items}
+        rounds: dict[tuple[str, str, str], list[int]] = {}
+        for answer in asked_in(figures).answers:
+            item = columns.get((answer.questionnaire, answer.item))
+            if not answer.counted or item is None or item.withheld:
+                continue
+            about = (answer.participant, answer.condition, answer.questionnaire)
+            known = rounds.setdefault(about, [])
+            if answer.round not in known:
+                known.append(answer.round)
+            row = self._row(figures, answer, known.index(answer.round) + 1)
+            row[item.name] = None if answer.skipped else rounded(answer.value)
+
+    def _row(self, figures: SessionFigures, answer: AnswerRow, number: int) -> dict[str, Cell]:
+        key = (answer.participant, figures.session, answer.condition, number)
+        return self._answers.setdefault(key, {})
+
+    def finish(self) -> Mapping[str, Any]:
+        """Write what is left; returns the data package, whose paths are in the bundle."""
+        self._tables.finish()
+        with self.folder.text(table_file(self.study, ANSWERS)) as file:
+            writer = csv.writer(file, lineterminator="\r\n")
+            columns = [each for each in self.items if not each.withheld]
+            writer.writerow([each.name for each in (*_KEYS, *columns)])
+            for key, row in sorted(self._answers.items()):
+                values = [*key, *(row.get(each.name) for each in columns)]
+                writer.writerow([cell(value) for value in values])
+        package: dict[str, Any] = json.loads(self._kept[DICTIONARY].getvalue())
+        resources = [each for each in package["resources"] if each["name"] not in _LEFT_OUT]
+        for each in resources:
+            each["path"] = table_file(self.study, each["name"])
+        resources.append(self._answers_resource(columns))
+        return {**package, "resources": resources}
+
+    def _answers_resource(self, columns: Iterable[Variable]) -> dict[str, Any]:
+        # No primary key: `condition` may be empty.
+        schema = {"fields": [*map(_field, (*_KEYS, *columns))], "missingValues": [""]}
+        return {
+            "name": ANSWERS,
+            "path": table_file(self.study, ANSWERS),
+            "description": "Answers once more: a row for each participant, condition and round, a "
+            "column for each item; those that count.",
+            "profile": "tabular-data-resource",
+            "format": "csv",
+            "mediatype": "text/csv",
+            "encoding": "utf-8",
+            "dialect": {"delimiter": ",", "quoteChar": '"', "doubleQuote": True, "header": True},
+            "schema": schema,
+        }
+
+    def close(self) -> None:
+        """Close the files; also after an error."""
+        self._tables.close()
+
+
+class _Kept(io.StringIO):
+    """A text file that is kept in memory, also when it was closed."""
+
+    def close(self) -> None:
+        """Keep it."""
+
+
+def _field(each: Variable) -> dict[str, Any]:
+    limits = {} if each.low is None else {"minimum": each.low, "maximum": each.high}
+    labels = [{"value": value, "label": label} for value, label in each.labels.items()]
+    return {
+        "name": each.name,
+        "type": each.type,
+        "title": each.question or each.label,
+        "description": each.label,
+        **({"constraints": limits} if limits else {}),
+        **({"categoryLabels": labels} if labels else {}),
+    }
+
+
+def columns_of(package: Mapping[str, Any]) -> Iterator[Variable]:
+    """A variable for each column that is no item."""
+    for resource in package["resources"]:
+        if resource["name"] == ANSWERS:
+            yield from _KEYS
+            continue
+        for each in resource["schema"]["fields"]:
+            meaning, unit = each.get("description", ""), each.get("unit", "")
+            yield Variable(resource["name"], each["name"], meaning, each["type"], unit=unit)
+
+
+def variables_measured(package: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Every column of every table once, as schema.org has them."""
+    found: dict[str, dict[str, Any]] = {}
+    meanings: dict[str, dict[str, None]] = {}
+    for resource in package["resources"]:
+        for each in resource["schema"]["fields"]:
+            name = each["name"]
+            entry = found.setdefault(name, {"@type": "PropertyValue", "name": name})
+            meanings.setdefault(name, {})[each.get("description", "")] = None
+            limits = each.get("constraints", {})
+            for key, value in (
+                ("minValue", limits.get("minimum")),
+                ("maxValue", limits.get("maximum")),
+                ("unitText", each.get("unit")),
+            ):
+                if value is not None:
+                    entry.setdefault(key, value)
+            if labels := each.get("categoryLabels"):
+                words = "; ".join(f"{label['value']} = {label['label']}" for label in labels)
+                meanings[name] = {f"{each['description']} ({words})": None}
+    for name, entry in found.items():
+        entry["description"] = " / ".join(filter(None, meanings[name]))
+    return list(found.values())

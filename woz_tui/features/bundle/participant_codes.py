@@ -1,0 +1,66 @@
+"""Codes that stand for participants in what is published: drawn by chance, so that no list of the
+lab and no order of days leads to them.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+#: No vowels, so that no word comes out, and nothing that looks like a digit.
+_LETTERS = "BCDFGHJKMNPQRSTVWXYZ"
+_LENGTH = 5
+
+
+def drawn_codes(old: Iterable[str], chance: random.Random | None = None) -> dict[str, str]:
+    """A new code for each of the `old` ones, in the order of the new ones."""
+    chance = chance or random.SystemRandom()
+    wanted = sorted(set(old))
+    new: dict[str, None] = {}
+    while len(new) < len(wanted):
+        code = "".join(chance.choices(_LETTERS, k=_LENGTH))
+        if code not in wanted:
+            new[code] = None
+    return dict(zip(wanted, new, strict=True))
+
+
+def codes_in(fields: Any) -> set[str]:
+    """All participants' codes that a line tells as such."""
+    found: set[str] = set()
+    match fields:
+        case dict():
+            for name, value in fields.items():
+                if name == "participant" and isinstance(value, str) and value:
+                    found.add(value)
+                else:
+                    found |= codes_in(value)
+        case list():
+            for value in fields:
+                found |= codes_in(value)
+    return found
+
+
+def recoded(fields: Any, codes: Mapping[str, str]) -> Any:
+    """The same line with the new codes, wherever a whole text is an old one; a session's own code
+    may have it inside.
+    """
+    match fields:
+        case dict():
+            return {
+                codes.get(name, name): _session(value, codes)
+                if name in ("session", "original_session") and isinstance(value, str)
+                else recoded(value, codes)
+                for name, value in fields.items()
+            }
+        case list():
+            return [recoded(value, codes) for value in fields]
+        case str():
+            return codes.get(fields, fields)
+    return fields
+
+
+def _session(session: str, codes: Mapping[str, str]) -> str:
+    for old in sorted(codes, key=len, reverse=True):
+        session = session.replace(old, codes[old])
+    return session

@@ -1,0 +1,148 @@
+"""A preregistration out of the experiment file, in the order of OSF's form, with headed gaps for
+what no file says; and what was played otherwise than it says.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from woz_tui.analysis.text_format import counted, listed
+from woz_tui.config.about_file import About
+from woz_tui.features.bundle.codebook import Variable
+from woz_tui.features.bundle.session_copies import PlayedFile
+from woz_tui.protocol import messages as m
+
+GAP = "*(to be written by hand)*"
+_ORDERS = {
+    "latin-square": "a Latin square (Williams), rows in turn by participant",
+    "blocks": "shuffled blocks, computed from the seed of the file",
+    "fixed": "one fixed order for all",
+}
+
+
+def preregistration(
+    registered: PlayedFile, plan: m.SessionPlan | None, items: Sequence[Variable], about: About
+) -> str:
+    """The text in Markdown."""
+    return "\n".join(_lines(registered, plan, items, about)) + "\n"
+
+
+def _lines(
+    registered: PlayedFile, plan: m.SessionPlan | None, items: Sequence[Variable], about: About
+) -> Iterator[str]:
+    title = about.title or (plan.title if plan is not None else "") or registered.name
+    yield f"# Preregistration: {title}"
+    yield ""
+    yield (
+        f"Out of `{registered.name}` (SHA-256 `{registered.sha256}`). What the file cannot say is"
+        f" marked {GAP}."
+    )
+    if about.preregistration:
+        yield from ("", f"Registered at {about.preregistration}.")
+    for head, text in (
+        ("Hypotheses", about.hypotheses or GAP),
+        ("Design", "\n".join(_design(plan))),
+        ("Blinding", _blinding(plan)),
+        ("Randomisation", _randomisation(plan)),
+        ("Existing data", GAP),
+        ("Collection of data", about.participants or GAP),
+        ("Sample size and its reason", GAP),
+        ("When to stop", GAP),
+        ("Manipulated variables", "\n".join(_manipulated(plan))),
+        ("Measured variables", "\n".join(_measured(items))),
+        ("Indices", GAP),
+        ("Models", GAP),
+        ("Criteria for inference", GAP),
+        ("What is excluded", _EXCLUDED),
+        ("Missing data", GAP),
+        ("Exploratory analyses", GAP),
+    ):
+        yield from ("", f"## {head}", "", text or GAP)
+
+
+_EXCLUDED = (
+    "Trials that were aborted, excluded with a reason while the session ran, or cut off by the end"
+    " of the log, and practice trials (number 0). An answer to a cue counts within 10 s."
+)
+
+
+def _design(plan: m.SessionPlan | None) -> Iterator[str]:
+    if plan is None:
+        return
+    design = plan.settings.study.design
+    conditions = listed([*plan.conditions]) if plan.conditions else "none"
+    yield f"Conditions: {conditions}."
+    if design is not None:
+        who = "each participant gets all" if design.within else "each participant gets one"
+        trials = counted(design.trials, "trial") if design.trials else "no number of trials"
+        yield f"{'Within' if design.within else 'Between'} participants: {who}, {trials} in each."
+
+
+def _blinding(plan: m.SessionPlan | None) -> str:
+    if plan is not None and plan.settings.study.blind:
+        labels = listed([*plan.settings.study.blind.values()])
+        return f"The wizard reads {labels} instead of the conditions' names."
+    return "The file blinds nobody."
+
+
+def _randomisation(plan: m.SessionPlan | None) -> str:
+    design = plan.settings.study.design if plan is not None else None
+    if design is None:
+        return "The file orders no conditions."
+    return (
+        f"Order of conditions: {_ORDERS.get(design.order, design.order or 'as the wizard says')}."
+    )
+
+
+def _manipulated(plan: m.SessionPlan | None) -> Iterator[str]:
+    texts = plan.settings.study.by_condition if plan is not None else {}
+    for name, by_condition in texts.items():
+        yield f"* `{name}`:"
+        for condition, text in by_condition.items():
+            yield f"    * {condition}: {text}"
+
+
+def _measured(items: Sequence[Variable]) -> Iterator[str]:
+    for each in items:
+        values = f" ({each.values})" if each.values else ""
+        yield f"* `{each.name}`, asked {each.asked}: {each.label}{values}"
+    yield (
+        "* of the wizard and the robot: the figures of `woz report`, as the codebook defines them"
+        " by table"
+    )
+
+
+def deviations(
+    registered: PlayedFile, versions: Iterable[PlayedFile], sessions: Mapping[str, int]
+) -> str:
+    """What was played against what was registered, version by version."""
+    return "\n".join(_deviations(registered, versions, sessions)) + "\n"
+
+
+def _deviations(
+    registered: PlayedFile, versions: Iterable[PlayedFile], sessions: Mapping[str, int]
+) -> Iterator[str]:
+    yield "# What was played otherwise than registered"
+    yield ""
+    yield f"Registered: `{registered.name}`, SHA-256 `{registered.sha256}`."
+    for each in versions:
+        begun = counted(sessions.get(each.sha256, 0), "session")
+        yield from ("", f"## Version {each.sha256[:8]}: {begun} began with it", "")
+        changes = [*_differences(registered, each)]
+        yield from ("```diff", *changes, "```") if changes else ("As registered.",)
+
+
+def _differences(registered: PlayedFile, played: PlayedFile) -> Iterator[str]:
+    for place, (name, text) in enumerate(played.files.items()):
+        # The experiment file may have been renamed: it is the first of both.
+        before = registered.name if place == 0 else name
+        if place and before not in registered.files and len(registered.files) == 1:
+            continue  # the file alone was given
+        yield from difflib.unified_diff(
+            registered.files.get(before, "").splitlines(),
+            text.splitlines(),
+            f"registered/{before}",
+            f"played/{name}",
+            lineterm="",
+        )

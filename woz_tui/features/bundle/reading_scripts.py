@@ -1,0 +1,115 @@
+"""Scripts that read the tables of a bundle: in R, in Python (nothing but Python is needed) and in
+SPSS. They label what the codebook labels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from woz_tui.features.bundle.codebook import ANSWERS, Variable
+from woz_tui.features.bundle.data_tables import table_file
+
+_PYTHON = '''\
+"""Means of all items by condition: of each participant the mean, then the mean over participants.
+
+Run it in any place: python3 analysis/read.py
+"""
+import csv
+from collections import defaultdict
+from pathlib import Path
+
+TABLE = Path(__file__).resolve().parents[1] / "{table}"
+
+with TABLE.open(encoding="utf-8", newline="") as file:
+    rows = list(csv.DictReader(file))
+keys = ("participant", "session", "condition", "round")
+values = defaultdict(lambda: defaultdict(list))
+for row in rows:
+    for item in (name for name in row if name not in keys and row[name] != ""):
+        values[item, row["condition"]][row["participant"]].append(float(row[item]))
+print("item,condition,n,mean")
+for (item, condition), people in sorted(values.items()):
+    means = [sum(each) / len(each) for each in people.values()]
+    print(f"{{item}},{{condition}},{{len(means)}},{{sum(means) / len(means):.4f}}")
+'''
+
+_R = """\
+# Reads the answers with their labels. From the folder of the bundle: Rscript analysis/read.R
+answers <- read.csv("{table}", na.strings = "", fileEncoding = "UTF-8",
+                    stringsAsFactors = FALSE, check.names = TRUE)
+answers$condition <- factor(answers$condition)
+labels <- list(
+{labels}
+)
+for (name in names(labels)) attr(answers[[name]], "label") <- labels[[name]]
+{values}
+# Means of participants by condition, item by item
+items <- setdiff(names(answers), c("participant", "session", "condition", "round"))
+for (item in items) {{
+  each <- answers[!is.na(answers[[item]]), ]
+  if (nrow(each) == 0) next
+  each$condition <- factor(ifelse(is.na(each$condition), "", as.character(each$condition)))
+  people <- aggregate(each[[item]], list(participant = each$participant,
+                                         condition = each$condition), mean)
+  print(aggregate(people$x, list(item = rep(item, nrow(people)),
+                                 condition = people$condition), mean))
+}}
+# A model to begin with, for scores: lme4::lmer(score ~ condition + (1 | participant), data)
+# for single items: ordinal::clmm(factor(item) ~ condition + (1 | participant), data)
+"""
+
+_SPSS = """\
+* Reads the answers with their labels. Set the folder of the bundle first: CD 'FOLDER'.
+GET DATA /TYPE=TXT /FILE='{table}' /ENCODING='UTF8' /ARRANGEMENT=DELIMITED
+  /DELIMITERS=',' /QUALIFIER='"' /FIRSTCASE=2
+  /VARIABLES={variables}.
+{labels}
+EXECUTE.
+"""
+
+
+def python_script(study: str) -> str:
+    """Reproduces means of the report."""
+    return _PYTHON.format(table=table_file(study, ANSWERS))
+
+
+def r_script(study: str, items: Sequence[Variable]) -> str:
+    """Reads and labels the answers."""
+    shown = [each for each in items if not each.withheld]
+    labels = ",\n".join(f"  {each.name} = {_quoted(each.label)}" for each in shown)
+    values = "\n".join(
+        f'attr(answers${each.name}, "labels") <- c('
+        + ", ".join(f"{_quoted(label)} = {value}" for value, label in each.labels.items())
+        + ")"
+        for each in shown
+        if each.labels
+    )
+    return _R.format(table=table_file(study, ANSWERS), labels=labels, values=values)
+
+
+def spss_script(study: str, items: Sequence[Variable]) -> str:
+    """Reads and labels the answers."""
+    shown = [each for each in items if not each.withheld]
+    keys = [("participant", "A16"), ("session", "A16"), ("condition", "A64"), ("round", "F4")]
+    variables = " ".join(
+        f"{name} {form}" for name, form in (*keys, *((each.name, "F8") for each in shown))
+    )
+    labels = []
+    for each in shown:
+        labels.append(f"VARIABLE LABELS {each.name} {_spss(each.label)}.")
+        if each.labels:
+            named = " ".join(f"{value} {_spss(label)}" for value, label in each.labels.items())
+            labels.append(f"VALUE LABELS {each.name} {named}.")
+            labels.append(f"VARIABLE LEVEL {each.name} (ORDINAL).")
+    return _SPSS.format(
+        table=table_file(study, ANSWERS), variables=variables, labels="\n".join(labels)
+    )
+
+
+def _quoted(text: str) -> str:
+    plain = " ".join(text.split()).replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{plain}"'
+
+
+def _spss(text: str) -> str:
+    return "'" + " ".join(text.split()).replace("'", "''") + "'"

@@ -17,6 +17,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.envelope import Json
 from woz_tui.protocol.welcome import (
     DesignView,
+    ItemLabel,
     Questionnaire,
     QuestionnaireItem,
     StudySettings,
@@ -24,6 +25,7 @@ from woz_tui.protocol.welcome import (
 )
 
 NAME = "Anna Keller-Winter"
+INCOME = 4711
 EXPERIMENT = """\
 title: Warm or sober
 robot: robots/simulated.yaml
@@ -41,6 +43,14 @@ UX = Questionnaire(
         QuestionnaireItem("pleasant", "I enjoyed being with this robot.", ends=ENDS),
         QuestionnaireItem("clear", "I knew what it wanted, always.", ends=ENDS),
         QuestionnaireItem("words", "What would you tell a friend?", text=True),
+        QuestionnaireItem("page", "Only two more.", kind="page"),
+        QuestionnaireItem(
+            "robots",
+            "Have you met robots?",
+            kind="choice",
+            choices=(ItemLabel(1, "never"), ItemLabel(2, "once")),
+        ),
+        QuestionnaireItem("income", "What do you earn?", kind="number", high=9999, private=True),
     ),
 )
 END = Questionnaire(
@@ -90,14 +100,14 @@ def _asked(at: float, which: Questionnaire, values: list[int | str], trial: int)
             ),
         )
     ]
-    for item, value in zip(which.items, values, strict=True):
+    for item, value in zip((i for i in which.items if i.kind != "page"), values, strict=True):
         said = {"text": value} if isinstance(value, str) else {"value": float(value)}
         course.append(
             (
                 at + 1,
                 QuestionnaireAnswered(
                     questionnaire=which.name, item=item.name, question=item.question,
-                    answered_us=1_000_000, **said,
+                    answered_us=1_000_000, private=item.private, **said,
                 ),
             )
         )  # fmt: skip
@@ -149,7 +159,9 @@ def course_of(who: str, experiment: str = EXPERIMENT) -> list[Timed]:
             (at + 6, m.Marker(text=f"{NAME}, smiling")),
             (at + 60, m.TrialEnded(trial=place + 1, outcome="done", text=f"{NAME} was happy")),
         ]
-        course += _asked(at + 61, UX, [pleasant[condition], 5, f"{NAME} liked it"], place + 1)
+        course += _asked(
+            at + 61, UX, [pleasant[condition], 5, f"{NAME} liked it", 2, INCOME], place + 1
+        )
     return [*course, *_asked(300, END, [person], -1)]
 
 

@@ -17,7 +17,7 @@ import pytest
 from tests.export import secret_log
 from tests.export.test_bids import validated
 from tests.export.test_redaction import NEVER, field_of, promised
-from tests.features.bundle.deposited import ANSWERS, EXPERIMENT, NAME, bundled, recorded
+from tests.features.bundle.deposited import ANSWERS, EXPERIMENT, INCOME, NAME, bundled, recorded
 from woz_tui.config.about_file import About, AuthorEntry, missing_in
 from woz_tui.export.log_sources import ExportError
 from woz_tui.features.bundle.bundle import BundleError
@@ -133,6 +133,8 @@ def test_no_name_and_no_code_of_the_lab_is_in_any_byte(bundle: Path) -> None:
         if not name.startswith("materials/"):  # the file's own comment has P01 ... P99
             assert not re.search(rb"\bP0[123]\b|2026-03-0", data), name
             assert not re.search(r"P0[123]|2026-03", name)
+    answers = {name: data for name, data in content.items() if name.endswith((".jsonl", ".csv"))}
+    assert not [name for name, data in answers.items() if str(INCOME).encode() in data]
     codes = {row["participant"] for row in table(bundle, "answers")}
     assert len(codes) == len(ANSWERS)
 
@@ -162,7 +164,12 @@ def test_the_codebook_is_of_the_file_not_of_the_answers(bundle: Path) -> None:
     assert (pleasant["values"], pleasant["type"]) == ("1 = not at all; 7 = very much", "integer")
     assert rows["answers", "robot_ux_words"]["missing"].startswith("withheld")
     head = table(bundle, "answers")[0].keys()
-    assert {name for of, name in rows if of == "answers"} - set(head) == {"robot_ux_words"}
+    assert {name for of, name in rows if of == "answers"} - set(head) == {
+        *("robot_ux_words", "robot_ux_income")
+    }
+    assert rows["answers", "robot_ux_income"]["missing"] == "withheld: private"
+    assert rows["answers", "robot_ux_robots"]["values"] == "1 = never; 2 = once"
+    assert not [name for _, name in rows if name == "robot_ux_page"]
     for name in ("events", "questionnaires"):
         assert set(table(bundle, name)[0]) == {each for of, each in rows if of == name}
     # What was asked stays in tables and logs: only what was said goes.

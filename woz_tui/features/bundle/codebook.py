@@ -21,7 +21,7 @@ ANSWERS = "answers"
 _LONGEST = 32
 HEADS = (
     *("table", "variable", "label", "question", "instrument", "item", "number", "type", "values"),
-    *("missing", "unit", "asked"),
+    *("missing", "reversed", "unit", "asked"),
 )
 _WHENS = {
     "start": "at the beginning",
@@ -35,7 +35,7 @@ _WHENS = {
 @dataclass(frozen=True, slots=True)
 class Variable:
     """One variable. `low` and `high` are the ends of its scale, `labels` what its numbers mean;
-    `withheld`: it is in no table, since people answered in their own words.
+    `shift` is added to them where they are shown. `withheld`: why it is in no table.
     """
 
     table: str
@@ -51,14 +51,19 @@ class Variable:
     labels: Mapping[int, str] = field(default_factory=dict)
     unit: str = ""
     asked: str = ""
-    withheld: bool = False
+    missing: str = ""
+    reversed: bool = False
+    shift: int = 0
+    withheld: str = ""
 
     @property
     def values(self) -> str:
         """`1 = not at all; 7 = very much`."""
         named = [f"{value} = {label}" for value, label in self.labels.items()]
         if self.low is not None and not named:
-            return f"{self.low} to {self.high}"
+            named = [f"{self.low} to {self.high}"]
+        if self.shift and self.low is not None and self.high is not None:
+            named.append(f"shown as {self.low + self.shift} to {self.high + self.shift}")
         return "; ".join(named)
 
 
@@ -67,7 +72,8 @@ def items_of(questionnaires: Iterable[Questionnaire]) -> list[Variable]:
     found: list[Variable] = []
     names: set[str] = set()
     for each in questionnaires:
-        for number, item in enumerate(each.items, 1):
+        items = [item for item in each.items if item.kind != "page"]
+        for number, item in enumerate(items, 1):
             found.append(_variable(each, item, number, _unique(f"{each.name}_{item.name}", names)))
     return found
 
@@ -75,23 +81,40 @@ def items_of(questionnaires: Iterable[Questionnaire]) -> list[Variable]:
 def _variable(
     questionnaire: Questionnaire, item: QuestionnaireItem, number: int, name: str
 ) -> Variable:
-    low, high = (None, None) if item.text else (item.low, item.high)
-    ends = {} if item.text else dict(zip((item.low, item.high), item.ends, strict=True))
+    in_numbers = item.asks in ("scale", "slider", "number", "choice")
+    ranged = item.asks in ("scale", "slider", "number")
+    points = item.asks in ("scale", "slider")
+    ends = zip((item.low, item.high), item.ends, strict=True) if points else ()
+    labels = {value: label for value, label in ends if label}
+    labels |= {each.value: each.text for each in (*item.labels, *item.choices) if each.text}
+    question = " ".join(filter(None, (item.stem, item.question)))
     return Variable(
         table=ANSWERS,
         name=name,
-        label=item.question or item.name,
-        type="string" if item.text else "integer",
-        question=item.question,
+        label=question or item.name,
+        type="integer" if in_numbers else "string",
+        question=question,
         questionnaire=questionnaire.name,
         item=item.name,
         number=number,
-        low=low,
-        high=high,
-        labels={value: label for value, label in ends.items() if label},
+        low=item.low if ranged else None,
+        high=item.high if ranged else None,
+        labels=dict(sorted(labels.items())),
+        unit=item.unit,
         asked=_WHENS.get(questionnaire.when, questionnaire.when),
-        withheld=item.text,
+        missing="; ".join(filter(None, (item.does_not_apply, item.prefer_not))),
+        reversed=item.reverse,
+        shift=item.shift if points else 0,
+        withheld=_why_withheld(item),
     )
+
+
+def _why_withheld(item: QuestionnaireItem) -> str:
+    if item.private:
+        return "withheld: private"
+    if item.asks == "choices":
+        return "several answers: only in the logs"
+    return "withheld: people's own words" if item.asks in ("text", "month") else ""
 
 
 def _unique(text: str, taken: set[str]) -> str:
@@ -123,12 +146,15 @@ def as_markdown(variables: Sequence[Variable]) -> str:
 def _row(each: Variable) -> Sequence[str | int | None]:
     return (
         *(each.table, each.name, each.label, each.question, each.questionnaire, each.item),
-        *(each.number or None, each.type, each.values, _missing(each), each.unit, each.asked),
+        *(each.number or None, each.type, each.values, _missing(each)),
+        *("yes" if each.reversed else "", each.unit, each.asked),
     )
 
 
 def _missing(each: Variable) -> str:
-    return "withheld: people's own words" if each.withheld else "empty = no answer or no such value"
+    return each.withheld or "; ".join(
+        filter(None, ("empty = no answer or no such value", each.missing))
+    )
 
 
 def _markdown(variables: Sequence[Variable]) -> Iterator[str]:
@@ -139,7 +165,7 @@ def _markdown(variables: Sequence[Variable]) -> Iterator[str]:
         yield from ("", f"## {name} (asked {of_it[0].asked})", "")
         yield from ("| variable | question | values |", "|---|---|---|")
         for each in of_it:
-            values = "withheld" if each.withheld else each.values
+            values = each.withheld or each.values
             yield f"| {each.name} | {_plain(each.label)} | {_plain(values)} |"
     columns = [each for each in variables if not each.questionnaire]
     for table in dict.fromkeys(each.table for each in columns):

@@ -137,6 +137,8 @@ class PublishedLine:
         for name in _ASKED.get(line.kind, ()):
             if name in fields:
                 fields[name] = self._with_asked(line.fields[name], fields[name])
+        if line.fields.get("private") is True:  # an answer that is in no export unasked
+            fields = {n: v for n, v in fields.items() if n not in ("value", "values")}
         robot = line.fields.get("robot")
         if line.kind == "session.start" and isinstance(robot, str):
             fields["robot"] = robot.replace("\\", "/").rpartition("/")[2]

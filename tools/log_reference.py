@@ -202,6 +202,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "settings": ("", "as an object: see the line's description"),
     "sha256": ("", "SHA-256 of all lines of actions before this one, hexadecimal"),
     "signs": ("", "by the sign's name: see *How a sign is shown*"),
+    "simulated": ("", "drivers whose hardware was simulated; absent or null: nobody knows"),
     "since": ("µs", "moment, on the `t` axis, at which the state was entered"),
     "host": ("", "the computer from which it comes"),
     "offset_us": ("µs", "what to add to a stamp of the stream to have one of this computer"),

@@ -8,10 +8,16 @@ from pathlib import Path
 
 from tests.analysis.example_sessions import ExampleSession, figures_of, in_time, study
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.methods_section import paragraphs
+from woz_tui.analysis.methods_section import by_hand, paragraphs
 from woz_tui.analysis.session_reading import read_report
 from woz_tui.analysis.study_figures import Studies, StudyFacts
 from woz_tui.analysis.text_format import counted, listed, times
+from woz_tui.config.about_file import About
+from woz_tui.features.questionnaires.kinds import (
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+)
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import WelcomeSettings
@@ -48,6 +54,9 @@ def test_a_study_in_sentences(tmp_path: Path) -> None:
         "Of 5 wizard actions, 0 (0.0 %) were marked as mistakes. "
         "Of 6 cues that needed an answer, the wizard answered 5 within 10 s (83.3 %). "
         "The reaction time was 3 s in the median (95 % quantile 4.8 s, longest 5 s). "
+        "One cue was without a reaction time: 1 not answered within the window. "
+        "Marked as mistakes were 0 of 2 wizard actions in cold and 0 of 3 wizard actions in warm. "
+        "Of cues, 2 of 3 in cold and 3 of 3 in warm were answered in time. "
         "The time from the request of a wizard action to its start in the robot, the "
         "wait behind an earlier act included, was 1.0 ms in the "
         "median (95 % quantile 1.0 ms, longest 1.0 ms), over 5 wizard actions. "
@@ -173,3 +182,69 @@ def test_another_robot_than_the_files_own_is_named() -> None:
     other = replace(session_figures(ExampleSession().act(1).end(60)), robot="nao")
     assert "In 1 session the file was played with the robot nao." in text(other)
     assert "the robot nao" not in text(replace(other, robot=""))
+
+
+def test_robots_that_differ_by_a_file_are_one_sentence() -> None:
+    own = session_figures(ExampleSession().act(1).end(60))
+    two = [replace(own, robot=robot) for robot in ("nao", "pepper", "nao")]
+    assert "In 3 sessions the file was played with the robots nao (2) and pepper (1)." in text(*two)
+    many = [replace(own, robot=f"robots/P{number:02}.yaml") for number in range(1, 25)]
+    assert (
+        "In 24 sessions the file was played with 24 robot files, robots/P01.yaml to"
+        " robots/P24.yaml." in text(*many)
+    )
+
+
+def test_that_the_robot_was_simulated_is_said() -> None:
+    own = session_figures(ExampleSession().act(1).end(60))
+    assert "simulated" not in text(own)
+    simulated = replace(own, simulated=("robot",))
+    assert "The robot was simulated (robot); no hardware moved." in text(simulated, simulated)
+    real = replace(own, simulated=())
+    assert "simulated" not in text(real)
+    assert "The robot was simulated in 1 session (robot)" in text(simulated, real)
+
+
+def test_every_cue_without_a_reaction_time_is_named() -> None:
+    session = ExampleSession().add(1, m.Marker(text="x", source="key")).act(2)
+    session.add(20, m.Marker(text="y", source="key")).add(21, m.Marker(text="z", source="key"))
+    session.add(55, m.Marker(text="y", source="key"))
+    found = text(session_figures(session.end(60)))
+    assert (
+        "3 cues were without a reaction time: 1 not answered within the window, 1 superseded by a"
+        " newer cue and 1 cut off by a break or by the end of the trial or the log." in found
+    )
+
+
+def test_what_no_log_knows_comes_from_the_file_about_the_study() -> None:
+    about = About(technology="speech recognition", training="90 % of the cues", robot="one NAO")
+    found = facts(session_figures(ExampleSession().act(1).end(60)))
+    told = " ".join(sentence for each in paragraphs(found, about) for sentence in each.sentences)
+    assert "One NAO. The wizard stood for speech recognition." in told
+    assert "Before the first session wizards had to reach: 90 % of the cues." in told
+    assert "the technology that the wizard stood for" in by_hand()
+    left = by_hand(about)
+    assert "the technology that the wizard stood for" not in left
+    assert "what the method leaves open" in left
+
+
+def test_suspicion_is_what_the_named_item_says() -> None:
+    item: dict[str, m.Json] = {
+        "name": "person", "question": "A person?", "low": 1, "high": 5, "ends": ["never", "always"]
+    }  # fmt: skip
+    sessions = []
+    for who, value in (("P01", 2.0), ("P02", 2.0), ("P03", 4.0)):
+        session = ExampleSession(participant=who, session=f"S{who[1:]}").act(1)
+        session.add(70, QuestionnaireStarted(questionnaire="end", title="", items=[item]))
+        answer = QuestionnaireAnswered(
+            questionnaire="end", item="person", question="A person?", value=value
+        )
+        session.add(71, answer, QuestionnaireEnded(questionnaire="end", answered=1, reason="done"))
+        sessions.append(session_figures(session.end(80)))
+    told = paragraphs(facts(*sessions), About(suspicion="end.person"))
+    [suspicion] = [each.sentences for each in told if each.head == "Suspicion"]
+    assert suspicion == (
+        'Whether somebody was suspected to control the robot was asked ("A person?", 1 = never to'
+        " 5 = always); the answers were 2 twice and 4 once.",
+    )
+    assert "Suspicion" not in [each.head for each in paragraphs(facts(*sessions))]

@@ -28,6 +28,7 @@ BEGINNING: tuple[m.Message, ...] = (
         conditions=["warm", "cold"],
         keyboard="us",
         drivers=["voice"],
+        simulated=["voice"],
         settings=WelcomeSettings(dead_man=3.0),
     ),
     m.PreflightChecked(check="head", level="ok", detail="3 servos", source="robot"),

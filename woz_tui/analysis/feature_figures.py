@@ -153,6 +153,12 @@ class FeatureFigures:
         """
         yield from ()
 
+    def suspicion(self, sessions: Sequence[Any], asked: str) -> Iterator[str]:
+        """Sentences on what participants answered to `asked` (questionnaire.item): whether they
+        suspected that somebody controlled the robot.
+        """
+        yield from ()
+
     def methods(self, sessions: Sequence[Any]) -> Iterator[str]:
         """Sentences for the methods section. `sessions`: figures of those that had any."""
         yield from ()

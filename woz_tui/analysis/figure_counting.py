@@ -145,6 +145,7 @@ def figures_of(
         rerun_of=rerun_of,
         order=tuple(assigned.order) if assigned else (),
         order_method=assigned.method if assigned else "",
+        simulated=None if plan is None or plan.simulated is None else tuple(plan.simulated),
         seed=start.seed if state.start else None,
         monotonic_us=zero if isinstance(zero := start.clock.get("monotonic_us"), int) else None,
         redacted=start.redacted,

@@ -364,6 +364,8 @@ class SessionFigures:
     order_method: str
     wholeness: LogIntegrity
     seed: int | None = None
+    #: Drivers whose hardware was simulated; None: not recorded.
+    simulated: tuple[str, ...] | None = None
     #: CLOCK_MONOTONIC of the robot's computer at 0, in microseconds; None: not recorded.
     monotonic_us: int | None = None
     lines: int = 0

@@ -7,13 +7,13 @@ guessed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.report_tables import FEWEST
-from woz_tui.analysis.study_figures import StudyFacts
+from woz_tui.analysis.study_figures import ConditionFacts, StudyFacts
 from woz_tui.analysis.text_format import (
     Some,
     capital,
@@ -25,17 +25,22 @@ from woz_tui.analysis.text_format import (
     was,
     were,
 )
+from woz_tui.config.about_file import NOTHING, About
 from woz_tui.feature import pieces
 
-#: What the guidelines ask for and no log can know.
-BY_HAND = (
-    "who the wizards were and what they knew of the hypotheses",
-    "who the participants were, what they were told, and whether they knew of the wizard",
-    "the robot: what it is, and how autonomous it was",
-    "the place, and the scenario in words",
-    "whether the design was iterative",
-    "what the method leaves open",
-)
+#: What the guidelines ask for and no log can know, by the keys of about.yaml that say it.
+BY_HAND: Mapping[tuple[str, ...], str] = {
+    ("wizards",): "who the wizards were and what they knew of the hypotheses",
+    (
+        *("participants", "instructions", "debriefing"),
+    ): "who the participants were, what they were told, and whether they knew of the wizard",
+    ("robot",): "the robot: what it is, and how autonomous it was",
+    ("technology",): "the technology that the wizard stood for",
+    ("training",): "what wizards had to reach before the first session",
+    ("place", "scenario"): "the place, and the scenario in words",
+    ("iterative",): "whether the design was iterative",
+    ("limitations",): "what the method leaves open",
+}
 _ORDERS = {
     "latin-square": "by a Latin square (Williams)",
     "blocks": "in shuffled blocks",
@@ -57,6 +62,8 @@ _SOURCES = {
     "engagement": "by the engagement model itself",
     "replay": "by a re-run",
 }
+#: More robots are not named one by one.
+_MOST_ROBOTS = 5
 _NAMES = {
     "transcript": "the transcript of speech",
     "distance": "the distance",
@@ -79,15 +86,25 @@ class Paragraph:
     sentences: tuple[str, ...]
 
 
-def paragraphs(facts: StudyFacts) -> list[Paragraph]:
-    """Everything that the logs say; paragraphs without a sentence are left out."""
+def by_hand(about: About = NOTHING) -> list[str]:
+    """What is to be written by hand, as far as `about` does not say it."""
+    return [
+        words for keys, words in BY_HAND.items() if not all(getattr(about, key) for key in keys)
+    ]
+
+
+def paragraphs(facts: StudyFacts, about: About = NOTHING) -> list[Paragraph]:
+    """Everything that the logs and `about` say; paragraphs without a sentence are left out."""
     found = [
-        Paragraph("Participants and sessions", tuple(_sessions(facts))),
-        Paragraph("Wizards", tuple(_wizards(facts))),
+        Paragraph("Participants and sessions", tuple(_sessions(facts, about))),
+        Paragraph("Robot", tuple(_robot(facts, about))),
+        Paragraph("Wizards", tuple(_wizards(facts, about))),
         Paragraph("Wizard production", tuple(_production(facts))),
         Paragraph("Wizard recognition", tuple(_recognition(facts))),
         Paragraph("Errors and times", tuple(_performance(facts))),
+        Paragraph("Suspicion", tuple(_suspicion(facts, about))),
         Paragraph("Data", tuple(_data(facts))),
+        Paragraph("Method", tuple(_method(about))),
     ]
     return [each for each in found if each.sentences]
 
@@ -95,8 +112,9 @@ def paragraphs(facts: StudyFacts) -> list[Paragraph]:
 # -- paragraphs -----------------------------------------------------------------------------------
 
 
-def _sessions(facts: StudyFacts) -> Iterator[str]:
+def _sessions(facts: StudyFacts, about: About) -> Iterator[str]:
     yield from _attended(facts)
+    yield from _said(about.participants, about.instructions, about.debriefing)
     if facts.deserted:
         left = f"{Some(facts.deserted, 'session')} without a participant"
         yield f"{left} {were(facts.deserted)} left out."
@@ -132,12 +150,51 @@ def _attended(facts: StudyFacts) -> Iterator[str]:
     title = f' ("{facts.title}")' if facts.title and file else ""
     if software:
         yield f"The robot was run by {listed(sorted(software))}{file}{title}."
-    for robot, count in sorted(facts.robots.items()):
-        if robot:
-            yield f"In {counted(count, 'session')} the file was played with the robot {robot}."
     for name, each in pieces("figures", FeatureFigures).items():
         if name in facts.features:
             yield from each.attended(facts.features[name])
+
+
+def _said(*texts: str) -> Iterator[str]:
+    """What the researcher wrote, as sentences."""
+    for text in filter(None, texts):
+        yield capital(text if text.endswith((".", "!", "?")) else f"{text}.")
+
+
+def _robot(facts: StudyFacts, about: About) -> Iterator[str]:
+    yield from _said(about.robot)
+    others = {robot: count for robot, count in sorted(facts.robots.items()) if robot}
+    sessions = counted(sum(others.values()), "session")
+    if len(others) == 1:
+        yield f"In {sessions} the file was played with the robot {next(iter(others))}."
+    elif 1 < len(others) <= _MOST_ROBOTS:
+        named = listed([f"{robot} ({count})" for robot, count in others.items()])
+        yield f"In {sessions} the file was played with the robots {named}."
+    elif others:
+        first, *_, last = others
+        yield (
+            f"In {sessions} the file was played with {len(others)} robot files, {first} to {last}."
+        )
+    known = facts.simulated.total()
+    simulated = {drivers: count for drivers, count in facts.simulated.items() if drivers}
+    count = sum(simulated.values())
+    if count:
+        where = "" if count == facts.sessions == known else f" in {counted(count, 'session')}"
+        drivers = listed(sorted({driver for each in simulated for driver in each}))
+        yield f"The robot was simulated{where} ({drivers}); no hardware moved."
+    if about.technology:
+        yield from _said(f"the wizard stood for {about.technology}")
+
+
+def _method(about: About) -> Iterator[str]:
+    yield from _said(about.place and f"the sessions took place in {about.place}", about.scenario)
+    yield from _said(about.iterative, about.limitations)
+
+
+def _suspicion(facts: StudyFacts, about: About) -> Iterator[str]:
+    for name, each in pieces("figures", FeatureFigures).items():
+        if about.suspicion and name in facts.features:
+            yield from each.suspicion(facts.features[name], about.suspicion)
 
 
 def _lengths(facts: StudyFacts) -> str:
@@ -159,7 +216,7 @@ def _orders(facts: StudyFacts) -> Iterator[str]:
         yield f"Conditions were assigned {listed(methods)}."
 
 
-def _wizards(facts: StudyFacts) -> Iterator[str]:
+def _wizards(facts: StudyFacts, about: About) -> Iterator[str]:
     if not facts.sessions:
         return
     recorded = {name: count for name, count in sorted(facts.wizards.items()) if name}
@@ -178,6 +235,9 @@ def _wizards(facts: StudyFacts) -> Iterator[str]:
         yield f"No wizard was recorded in {counted(facts.wizards[''], 'session')}."
     for name, each in pieces("figures", FeatureFigures).items():
         yield from each.wizards(facts.apart.get(name, ()), [*recorded])
+    yield from _said(about.wizards)
+    if about.training:
+        yield from _said(f"before the first session wizards had to reach: {about.training}")
 
 
 def _production(facts: StudyFacts) -> Iterator[str]:
@@ -267,6 +327,7 @@ def _performance(facts: StudyFacts) -> Iterator[str]:
         what = "marked as a mistake" if facts.mistakes == 1 else "marked as mistakes"
         yield f"Of {counted(facts.acts, 'wizard action')}, {marked} {was(facts.mistakes)} {what}."
     yield from _reacted(facts)
+    yield from _by_condition(facts)
     if facts.press.n:
         yield (
             "The time from the request of a wizard action to its start in the robot, the wait"
@@ -283,6 +344,13 @@ def _performance(facts: StudyFacts) -> Iterator[str]:
         yield f"It did not reach {names}, which {was(len(facts.unreached))} not connected."
 
 
+#: Why a cue has no reaction time, in words.
+_CENSORED = {
+    "missed": "not answered within the window",
+    "answered_early": "answered before they came",
+    "superseded": "superseded by a newer cue",
+    "cut": "cut off by a break or by the end of the trial or the log",
+}
 #: Results of cues to which an answer was not due within the window, in words.
 _NOT_DUE = {
     "answered_early": "answered before they came",
@@ -308,6 +376,37 @@ def _reacted(facts: StudyFacts) -> Iterator[str]:
     )
     if facts.reactions.n >= FEWEST:
         yield f"The reaction time was {_spread(facts.reactions, in_seconds, 's')}."
+    if facts.results["answered"] < cues:
+        censored = [
+            f"{facts.results[result]} {words}"
+            for result, words in _CENSORED.items()
+            if facts.results[result]
+        ]
+        without = cues - facts.results["answered"]
+        yield f"{Some(without, 'cue')} {were(without)} without a reaction time: {listed(censored)}."
+
+
+def _by_condition(facts: StudyFacts) -> Iterator[str]:
+    told = {name: each for name, each in sorted(facts.by_condition.items()) if name}
+    if len(told) < 2:
+        return
+    acts = [
+        f"{each.mistakes} of {counted(each.acts, 'wizard action')} in {name}"
+        for name, each in told.items()
+        if each.acts
+    ]
+    if acts:
+        yield f"Marked as mistakes were {listed(acts)}."
+    answers = [_answered_in(name, each) for name, each in told.items() if each.results.total()]
+    if answers:
+        yield f"Of cues, {listed(answers)} were answered in time."
+
+
+def _answered_in(name: str, facts: ConditionFacts) -> str:
+    words = f"{facts.results['answered']} of {facts.results.total()} in {name}"
+    if facts.reactions.n < FEWEST:
+        return words
+    return f"{words} (median {in_seconds(facts.reactions.median or 0.0)} s)"
 
 
 def _data(facts: StudyFacts) -> Iterator[str]:

@@ -21,6 +21,16 @@ from woz_tui.analysis.participants import counted_parts
 
 
 @dataclass(slots=True)
+class ConditionFacts:
+    """What wizards did in one condition: acts, mistakes, and how cues were answered."""
+
+    acts: int = 0
+    mistakes: int = 0
+    results: Counter[str] = field(default_factory=Counter)
+    reactions: Durations = field(default_factory=Durations)
+
+
+@dataclass(slots=True)
 class StudyFacts:
     """All facts of one experiment; grows with each session. Times are microseconds.
 
@@ -37,6 +47,9 @@ class StudyFacts:
         apart: Sessions in which nobody took part, by the feature whose kind they are.
         unreached: Driver -> how many stops did not reach it, as it was not connected.
         views: What the wizard could not see -> in how many sessions.
+        by_condition: What the wizard did, by condition; of sessions with one alone, too.
+        simulated: Drivers whose hardware was simulated -> sessions; `()`: none was. Sessions that
+            did not record it are not among them.
         times: Durations that features tell, by name, of all that means include.
         open_logs: Sessions whose log has no end.
         damaged: Sessions whose log is damaged otherwise, `lost` the lines that are gone.
@@ -58,6 +71,8 @@ class StudyFacts:
     apart: dict[str, list[ApartSession]] = field(default_factory=dict)
     software: Counter[str] = field(default_factory=Counter)
     robots: Counter[str] = field(default_factory=Counter)
+    simulated: Counter[tuple[str, ...]] = field(default_factory=Counter)
+    by_condition: dict[str, ConditionFacts] = field(default_factory=dict)
     orders: Counter[str] = field(default_factory=Counter)
     panels: dict[str, bool] = field(default_factory=dict)
     offered: set[tuple[str, str]] = field(default_factory=set)
@@ -103,6 +118,8 @@ class StudyFacts:
         self.wizards[figures.wizard] += 1
         self.software[figures.software] += 1
         self.robots[figures.robot] += 1
+        if figures.simulated is not None:
+            self.simulated[figures.simulated] += 1
         self._people(figures)
         self._production(figures)
         self._answers(figures)
@@ -143,9 +160,13 @@ class StudyFacts:
 
     def _answers(self, figures: SessionFigures) -> None:
         for part in counted_parts(figures.parts):
+            told = self.by_condition.setdefault(part.condition, ConditionFacts())
+            told.acts += part.acts
+            told.mistakes += part.mistakes
             if ALL_CUES in part.reactions:
-                self.results.update(part.reactions[ALL_CUES].results)
-                self.reactions.extend(part.reactions[ALL_CUES].times)
+                for facts in (self, told):
+                    facts.results.update(part.reactions[ALL_CUES].results)
+                    facts.reactions.extend(part.reactions[ALL_CUES].times)
         stops = [stop for stop in figures.stops if stop.scope == "all"]  # not of driving alone
         self.stops += len(stops)
         self.stopped_sessions += bool(stops)

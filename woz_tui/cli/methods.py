@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, Namespace
+from pathlib import Path
 
+from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.report import SessionReader, add_sessions
 
 
@@ -12,21 +14,28 @@ def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     add_sessions(parser)
     parser.add_argument("--markdown", action="store_true", help="with headings")
+    parser.add_argument(
+        "--about", type=Path, metavar="FILE", help="about.yaml: what no log knows of the study"
+    )
 
 
 def run(arguments: Namespace) -> int:
     """Print the sentences; what no log can know, and what could not be read, goes to stderr."""
     from woz_tui.cli import log_from_stdin  # noqa: PLC0415
 
-    return log_from_stdin.with_logs(arguments, _run, "woz methods")
+    return with_error_sentences(
+        lambda: log_from_stdin.with_logs(arguments, _run, "woz methods"), who="woz methods"
+    )
 
 
 def _run(arguments: Namespace) -> int:
-    from woz_tui.analysis.methods_section import BY_HAND, paragraphs  # noqa: PLC0415
+    from woz_tui.analysis.methods_section import by_hand, paragraphs  # noqa: PLC0415
     from woz_tui.analysis.participants import alike_sentence  # noqa: PLC0415
     from woz_tui.analysis.session_reading import NO_EXTRAS  # noqa: PLC0415
     from woz_tui.analysis.study_figures import Studies  # noqa: PLC0415
+    from woz_tui.config.about_file import NOTHING, read_about  # noqa: PLC0415
 
+    about = NOTHING if arguments.about is None else read_about(arguments.about)
     reading = SessionReader(arguments)
     studies = Studies()
     for report in reading.reports(NO_EXTRAS):
@@ -38,12 +47,14 @@ def _run(arguments: Namespace) -> int:
             print(f"## Method ({facts.experiment or 'experiment not recorded'})")
         elif len(studies.found) > 1:
             print(f"{facts.experiment or 'experiment not recorded'}:")
-        _print([(each.head, each.sentences) for each in paragraphs(facts)], arguments.markdown)
+        _print(
+            [(each.head, each.sentences) for each in paragraphs(facts, about)], arguments.markdown
+        )
         if alike := alike_sentence(facts.participants):
             print(f"woz methods: {alike}", file=sys.stderr)
-    if studies.found:
+    if studies.found and (missing := by_hand(about)):
         print("woz methods: no log contains the following; write it by hand:", file=sys.stderr)
-        for item in BY_HAND:
+        for item in missing:
             print(f"  - {item}", file=sys.stderr)
     return reading.print_problems("woz methods")
 

@@ -53,6 +53,12 @@ class DriverSpec:
     process: str = ""
 
     @property
+    def simulated(self) -> bool:
+        """Whether it drives no hardware: the simulated robot, or one whose address says so."""
+        address = getattr(self.settings, "address", "")
+        return "simulated" in (self.type, address)
+
+    @property
     def kind(self) -> str:
         """Its type, and where its hardware is if that is another computer."""
         return self.type if self.at is None else f"{self.type}, at {self.at.name}"

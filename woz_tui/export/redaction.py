@@ -35,7 +35,7 @@ KEPT = frozenset(
         *("halted", "now", "outcome", "emotion", "rows", "waiting", "lit", "trail", "uses", "next"),
         *("method", "order", "cues", "sort", "hidden", "blurred", "what", "without"),
         *("tells", "sees"),
-        *("script", "conditions", "keyboard", "drivers", "variables"),
+        *("script", "conditions", "keyboard", "drivers", "simulated", "variables"),
     }
 )
 #: Fields that stay in these kinds only: elsewhere they hold something else.

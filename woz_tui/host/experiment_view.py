@@ -135,6 +135,7 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
         conditions=list(experiment.conditions),
         keyboard=experiment.keyboard,
         drivers=[spec.name for spec in experiment.drivers],
+        simulated=[spec.name for spec in experiment.drivers if spec.simulated],
         settings=WelcomeSettings(
             stale_after=experiment.session.stale_after,
             dead_man=experiment.session.dead_man,

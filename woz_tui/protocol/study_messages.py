@@ -30,7 +30,8 @@ class ExperimentFiles(Message, frozen=True, kw_only=True, tag="experiment.files"
 
 class SessionPlan(Message, frozen=True, kw_only=True, tag="session.plan"):
     """What consoles are shown, as in a `welcome` (docs/reference/protocol.md), so that a replay can
-    show the same: when the session begins and whenever it changes.
+    show the same: when the session begins and whenever it changes. `simulated`: drivers whose
+    hardware is (None: not recorded).
     """
 
     title: str
@@ -42,6 +43,7 @@ class SessionPlan(Message, frozen=True, kw_only=True, tag="session.plan"):
     keyboard: str
     drivers: list[str]
     settings: WelcomeSettings
+    simulated: list[str] | None = None
 
 
 # -- conditions and trials ------------------------------------------------------------------------

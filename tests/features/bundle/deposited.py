@@ -80,7 +80,7 @@ def plan() -> m.SessionPlan:
     )
     return m.SessionPlan(
         title="Warm or sober", panels=[], script=[], verbs={"robot": ["say"]}, variables=[],
-        conditions=["warm", "sober"], keyboard="us", drivers=["robot"],
+        conditions=["warm", "sober"], keyboard="us", drivers=["robot"], simulated=["robot"],
         settings=WelcomeSettings(study=study),
     )  # fmt: skip
 

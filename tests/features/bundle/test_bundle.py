@@ -27,6 +27,7 @@ ABOUT = About(
     authors=(AuthorEntry("Ada Example", "0000-0002-1825-0097", "University of Examples"),),
     licence="CC-BY-4.0",
     share=("media",),
+    suspicion="end.person",
 )
 TABLE = re.compile(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 #: The keywords of Psych-DS; others are a warning.
@@ -216,6 +217,12 @@ def test_criteria_say_where_each_answer_is_from(bundle: Path) -> None:
     assert rows["Users: how many"]["source"] == "log"
     assert "3 participants took part" in rows["Users: how many"]["answer"]
     assert "experiment file" in rows["Wizards: who, and what they knew"]["source"]
+    robot = rows["Robot: what it is"]
+    assert robot["answer"] == "The robot was simulated (robot); no hardware moved."
+    assert (
+        "the answers were 2 twice and 3 once"
+        in (rows["Users: whether the simulation convinced them"]["answer"])
+    )
     assert rows["General: scenario"] == {
         "criterion": "General: scenario", "answer": "", "source": "missing"
     }  # fmt: skip

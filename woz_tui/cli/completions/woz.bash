@@ -56,7 +56,7 @@ _shtab_woz_report_option_strings=(-h --help --window --cue-state --all-trials --
 _shtab_woz_export_option_strings=(-h --help --to --out --force --redact-text --private --samples --no-sound --spreadsheet --with --stream --media --offset)
 _shtab_woz_bundle_option_strings=(-h --help --out --about --study --recode --media --samples --public --force --strict)
 _shtab_woz_participants_option_strings=(-h --help --code --withdraw --copy --by --yes --json)
-_shtab_woz_methods_option_strings=(-h --help --window --cue-state --all-trials --anew --markdown)
+_shtab_woz_methods_option_strings=(-h --help --window --cue-state --all-trials --anew --markdown --about)
 _shtab_woz_doctor_option_strings=(-h --help --recordings --robot --at --json)
 _shtab_woz_reset_option_strings=(-h --help)
 _shtab_woz_completion_option_strings=(-h --help)
@@ -150,6 +150,7 @@ _shtab_woz_bundle___about_COMPGEN=_shtab_compgen_files
 _shtab_woz_bundle___study_COMPGEN=_shtab_compgen_files
 _shtab_woz_participants_pos_0_COMPGEN=_shtab_compgen_files
 _shtab_woz_participants___copy_COMPGEN=_shtab_compgen_files
+_shtab_woz_methods___about_COMPGEN=_shtab_compgen_files
 _shtab_woz_doctor_pos_0_COMPGEN=_shtab_compgen_files
 _shtab_woz_doctor___recordings_COMPGEN=_shtab_compgen_files
 

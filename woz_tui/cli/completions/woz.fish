@@ -472,6 +472,7 @@ complete -c woz -n '_shtab_woz_using methods' -l cue-state -x -d 'state of the e
 complete -c woz -n '_shtab_woz_using methods' -l all-trials -d 'also what happened in trials that do not count: aborted, excluded, practice, cut off'
 complete -c woz -n '_shtab_woz_using methods' -l anew -d 'read all logs anew; figures that were kept of logs read before are forgotten'
 complete -c woz -n '_shtab_woz_using methods' -l markdown -d 'with headings'
+complete -c woz -n '_shtab_woz_using methods' -l about -xka "(__fish_complete_path (commandline -ct))" -d 'about.yaml: what no log knows of the study'
 complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a doctor -d 'check this machine, its devices and this terminal for an experiment'
 complete -c woz -n '_shtab_woz_using doctor' -s h -l help -d 'show this help message and exit'
 complete -c woz -n '_shtab_woz_using doctor' -l recordings -xka "(__fish_complete_path (commandline -ct))" -d 'folder of the logs'

@@ -427,6 +427,7 @@ _shtab_woz_methods_options=(
   "--all-trials[also what happened in trials that do not count\: aborted, excluded, practice, cut off]"
   "--anew[read all logs anew\; figures that were kept of logs read before are forgotten]"
   "--markdown[with headings]"
+  "--about[about.yaml\: what no log knows of the study]:FILE:_files"
   "(*):a session\'s log, a folder of them, or a pattern\; - is a log from standard input:"
 )
 

@@ -205,7 +205,7 @@ class _Bundle:
                 page.add(report)
         write_figures(folder / "figures", grouped)
         found = next(iter(studies.found.values()), None)
-        told = paragraphs(found) if found is not None else []
+        told = paragraphs(found, self._about) if found is not None else []
         if len(studies.found) > 1:
             self._to_do.append(
                 "these are sessions of several experiments: make a bundle for each, since the"

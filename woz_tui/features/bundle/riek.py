@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from woz_tui.analysis.methods_section import Paragraph
-from woz_tui.analysis.text_format import listed
 from woz_tui.config.about_file import About
 from woz_tui.protocol import messages as m
 from woz_tui.system.text_cleaning import cell
@@ -39,7 +38,7 @@ def criteria(
     """All of them, in the order of the guidelines."""
     told = {each.head: " ".join(each.sentences) for each in found}
     answers: Mapping[str, Sequence[tuple[str, str]]] = {
-        "Robot: what it is": [(about.robot, ABOUT), (_drivers(plan), LOG)],
+        "Robot: what it is": [(about.robot, ABOUT), (_of(found, "Robot", ("simulated",)), LOG)],
         "Robot: how autonomous it was": [(_share(found), LOG), (about.technology, ABOUT)],
         "Users: how many": [(told.get("Participants and sessions", ""), LOG)],
         "Users: who, how found and paid": [(about.participants, ABOUT)],
@@ -90,12 +89,6 @@ def _of(found: Iterable[Paragraph], head: str, words: Sequence[str]) -> str:
 
 def _share(found: Iterable[Paragraph]) -> str:
     return _of(found, "Wizard production", ("asked for",))
-
-
-def _drivers(plan: m.SessionPlan | None) -> str:
-    if plan is None or not plan.drivers:
-        return ""
-    return f"Drivers: {listed([*plan.drivers])}."
 
 
 def _blind(plan: m.SessionPlan | None) -> str:

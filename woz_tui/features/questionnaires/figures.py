@@ -13,7 +13,7 @@ from woz_tui.analysis.event_rows import ContextRow, context_fields
 from woz_tui.analysis.feature_figures import FeatureFigures, Instant
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.report_table import LogText, ReportTable
-from woz_tui.analysis.text_format import NONE, counted, duration, times
+from woz_tui.analysis.text_format import NONE, counted, duration, listed, times
 from woz_tui.features.questionnaires.answers import answer_told, items_of
 from woz_tui.features.questionnaires.history import (
     QuestionnaireEpisode,
@@ -214,6 +214,30 @@ class CountedQuestionnaires(FeatureFigures):
             yield f"The questionnaire {name} was given {times(count)}."
         if declined:
             yield f"Participants declined {counted(declined, 'questionnaire')}."
+
+    def suspicion(self, sessions: Sequence[QuestionnaireFigures], asked: str) -> Iterator[str]:
+        name, _, item = asked.partition(".")
+        answers = [
+            answer
+            for figures in sessions
+            for answer in figures.answers
+            if (answer.questionnaire, answer.item) == (name, item) and answer.counted
+        ]
+        if not answers:
+            yield f"Whether somebody was suspected to control the robot ({asked}) was not answered."
+            return
+        last = answers[-1]
+        low, high = last.ends
+        scale = f", {last.low:g} = {low} to {last.high:g} = {high}" if low or high else ""
+        values = sorted(answer.value for answer in answers if answer.value is not None)
+        told = Counter(f"{value:g}" for value in values)
+        numbers = listed([f"{value} {times(count)}" for value, count in told.items()])
+        missing = len(answers) - len(values)
+        words = f"; {counted(missing, 'answer')} in words or left out" if missing else ""
+        yield (
+            f'Whether somebody was suspected to control the robot was asked ("{last.question}"'
+            f"{scale}); the answers were {numbers or 'none in numbers'}{words}."
+        )
 
     def tables(self, figures: QuestionnaireFigures) -> Iterator[ReportTable]:
         yield answer_table(figures)

@@ -16,6 +16,7 @@ from woz_tui.analysis.tables import (
 )
 from woz_tui.features.questionnaires.codebook import CODEBOOK, answer_column, variables, wide_table
 from woz_tui.features.questionnaires.report import ROUND_COLUMNS
+from woz_tui.features.questionnaires.score_codebook import SCORE_CODEBOOK
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 
 _ANY = Questionnaire("<questionnaire>", items=(QuestionnaireItem("<item>", "what was asked"),))
@@ -25,6 +26,7 @@ TABLES: tuple[TableDefinition[Any], ...] = (
     *figure_tables(),
     wide_table(ROUND_COLUMNS, [answer_column([*variables(_ANY)])]),
     CODEBOOK,
+    SCORE_CODEBOOK,
     EVENTS,
     SAMPLES,
 )

@@ -195,9 +195,9 @@ class Outcome:
         low, high = self.name.low, self.name.high
         if low is None or high is None or not (low.is_integer() and high.is_integer()):
             return []
-        if high - low >= _POINTS:
-            return []
         found = Counter(answers)
+        if high - low >= _POINTS or not all(answer.is_integer() for answer in found):
+            return []  # too many points, or a mean of several answers
         return [found[float(point)] for point in range(int(low), int(high) + 1)]
 
     def differences(self) -> list[Difference]:

@@ -129,6 +129,23 @@ class QuestionnaireItem(msgspec.Struct, frozen=True, omit_defaults=True):
         return "text" if self.text else self.kind
 
 
+class QuestionnaireScore(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What several items amount to: `how` is mean, sum, sus or weighted. Those of `reverse` count
+    from the other end. `weights`: of each item, or `pairs`: items whose answers are places in
+    `items`; each weighs as often as it was chosen. So many may be `missing`. `onto`: the ends of
+    another scale onto which the score is laid.
+    """
+
+    name: str
+    how: str = "mean"
+    items: tuple[str, ...] = ()
+    reverse: tuple[str, ...] = ()
+    weights: tuple[float, ...] = ()
+    pairs: tuple[str, ...] = ()
+    missing: int = 0
+    onto: tuple[float, float] | None = None
+
+
 class QuestionnaireVersion(msgspec.Struct, frozen=True):
     """What a questionnaire says in another language."""
 
@@ -140,7 +157,8 @@ class QuestionnaireVersion(msgspec.Struct, frozen=True):
 
 class Questionnaire(msgspec.Struct, frozen=True, omit_defaults=True):
     """Items asked together; `when` is start, trial, condition, end or hand. `shuffled`: chance
-    decides their order. `versions`: the same in other languages.
+    decides their order. `versions`: the same in other languages. `role`: suspicion, if it asks who
+    was thought to be behind the robot.
     """
 
     name: str
@@ -151,6 +169,8 @@ class Questionnaire(msgspec.Struct, frozen=True, omit_defaults=True):
     shuffled: bool = False
     language: str = ""
     versions: tuple[QuestionnaireVersion, ...] = ()
+    scores: tuple[QuestionnaireScore, ...] = ()
+    role: str = ""
 
     @property
     def heading(self) -> str:

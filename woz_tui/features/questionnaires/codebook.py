@@ -21,6 +21,11 @@ from woz_tui.features.questionnaires.items import (
     ways_out,
     wording,
 )
+from woz_tui.features.questionnaires.score_codebook import (
+    SCORE_CODEBOOK,
+    DefinedScore,
+    defined_scores,
+)
 from woz_tui.protocol.welcome import ItemCondition, Questionnaire, QuestionnaireItem
 
 _TICKED = {0: "not chosen", 1: "chosen"}
@@ -116,7 +121,7 @@ def wide_table(
     return TableDefinition(
         "questionnaires_wide",
         "The answers once more: one row for each round of a questionnaire, and a column for each "
-        "item; of several choices, one for each of them.",
+        "item; of several choices, one for each of them; and one for each score.",
         (*(_column(each.name, each.type, each.meaning) for each in before), *columns),
         lambda figures: (),
     )
@@ -251,6 +256,7 @@ class AnswerTables(GatheredTables):
         self._rows: list[Mapping[str, Cell]] = []
         #: By name of the column.
         self._variables: dict[str, list[Variable]] = {}
+        self._scores: dict[str, list[DefinedScore]] = {}
 
     def add(self, figures: SessionFigures) -> None:
         found = asked_in(figures)
@@ -262,6 +268,10 @@ class AnswerTables(GatheredTables):
                 known = self._variables.setdefault(variable.name, [])
                 if variable not in known:
                     known.append(variable)
+            for score in defined_scores(asked) if asked.name in given else ():
+                those = self._scores.setdefault(score.name, [])
+                if score not in those:
+                    those.append(score)
         rounds: dict[tuple[str, int], dict[str, Cell]] = {}
         for answer in (*found.answers, *found.missing):
             key = (answer.questionnaire, answer.round)
@@ -269,10 +279,18 @@ class AnswerTables(GatheredTables):
                 rounds[key] = {column.name: column.cell(figures, answer) for column in self._before}
             for variable in here.get((answer.questionnaire, answer.item), ()):
                 rounds[key][variable.name] = variable.cell(answer)
+        for row in found.scores:
+            if (there := rounds.get((row.questionnaire, row.round))) is not None:
+                there[f"{row.questionnaire}.{row.score}"] = rounded(row.value)
         self._rows += rounds.values()
 
     def tables(self) -> Iterator[tuple[TableDefinition[Any], Sequence[Any]]]:
         columns = [answer_column(found) for found in self._variables.values()]
+        columns += [
+            _column(name, "number", found[0].in_words) for name, found in self._scores.items()
+        ]
         yield wide_table(self._before, columns), self._rows
         every = self._variables.values()
         yield CODEBOOK, [row for found in every for row in enumerate(found, start=1)]
+        scores = self._scores.values()
+        yield SCORE_CODEBOOK, [row for found in scores for row in enumerate(found, start=1)]

@@ -6,6 +6,8 @@ from woz_tui.config.study_words import OVER
 
 #: When a questionnaire is due.
 WHENS = ("start", "end", "trial", "condition", "hand")
+#: The role of a questionnaire that asks who was thought to be behind the robot.
+SUSPICION = "suspicion"
 
 
 def due_after_trial(trial: int, outcome: str, *, trials: int, planned: int) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from woz_tui.export.feature_export import ExportedEpisode, FeatureExport
-from woz_tui.features.questionnaires.due import WHENS
+from woz_tui.features.questionnaires.due import SUSPICION, WHENS
 from woz_tui.features.questionnaires.history import QuestionnaireEpisode
 from woz_tui.features.questionnaires.items import GIVEN
 from woz_tui.features.questionnaires.kinds import (
@@ -13,6 +13,7 @@ from woz_tui.features.questionnaires.kinds import (
     QuestionnaireEnded,
     QuestionnaireStarted,
 )
+from woz_tui.features.questionnaires.scoring import HOWS
 
 #: Whatever the experiment file says: the researcher's words, not those of a participant.
 _WORDS = re.compile(r".*", re.DOTALL)
@@ -25,6 +26,7 @@ _OF_PLAN = (
     *("name", "title", "introduction", "language", "versions.language", "versions.title"),
     *("versions.introduction", *(f"items.{each}" for each in _OF_ITEM)),
     *(f"versions.items.{each}" for each in _OF_ITEM),
+    *(f"scores.{each}" for each in ("name", "items", "reverse", "pairs")),
 )
 
 EXPORT = FeatureExport(
@@ -58,6 +60,8 @@ EXPORT = FeatureExport(
         "session.plan": {
             **{f"settings.study.questionnaires.{each}": _WORDS for each in _OF_PLAN},
             "settings.study.questionnaires.when": re.compile("|".join(WHENS)),
+            "settings.study.questionnaires.role": re.compile(SUSPICION),
+            "settings.study.questionnaires.scores.how": re.compile("|".join(HOWS)),
         },
     },
     begun=("questionnaire",),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from msgspec.structs import replace as replaced
 
@@ -15,6 +15,7 @@ from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.text_format import NONE, counted, duration, listed, times
 from woz_tui.features.questionnaires.answers import answer_told, items_of
+from woz_tui.features.questionnaires.due import SUSPICION
 from woz_tui.features.questionnaires.history import (
     QuestionnaireEpisode,
     QuestionnaireHistory,
@@ -31,9 +32,12 @@ from woz_tui.features.questionnaires.items import (
     wording,
 )
 from woz_tui.features.questionnaires.items import said as in_words
+from woz_tui.features.questionnaires.score_rows import ScoreRow, score_rows
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.timeline import Timeline
+
+_Row = TypeVar("_Row", bound=ContextRow)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,6 +111,7 @@ class QuestionnaireFigures:
     questionnaires: tuple[Questionnaire, ...] = ()
     rounds: tuple[RoundRow, ...] = ()
     unanswered: tuple[str, ...] = ()
+    scores: tuple[ScoreRow, ...] = ()
 
 
 NOTHING = QuestionnaireFigures()
@@ -154,6 +159,22 @@ def answer_text(answer: AnswerRow) -> str:
     return number or answer.text
 
 
+def score_table(figures: QuestionnaireFigures) -> ReportTable:
+    """What several items amounted to."""
+    rows = [
+        (
+            *(LogText(row.questionnaire), LogText(row.score)),
+            *(NONE if row.value is None else f"{row.value:.2f}", scale_text(row.low, row.high)),
+            f"{len(row.items) - row.missing} of {len(row.items)}",
+            *(row.how, str(row.round)),
+            *(LogText(row.condition), NONE if row.trial < 0 else str(row.trial)),
+        )
+        for row in figures.scores
+    ]
+    heads = ["Questionnaire", "Score", "Value", "Range", "Answered", "How", "Round"]
+    return ReportTable("Scores", [*heads, "Condition", "Trial"], rows, words=2, on_terminal=5)
+
+
 def scale_text(low: float | None, high: float | None) -> str:
     """`1 to 7`."""
     return NONE if low is None or high is None else f"{low:g} to {high:g}"
@@ -166,12 +187,15 @@ class CountedQuestionnaires(FeatureFigures):
     """Rounds and their answers."""
 
     def count(self, timeline: Timeline) -> QuestionnaireFigures | None:
+        given = tuple(answers(timeline))
+        known = tuple(questionnaires(timeline))
         found = QuestionnaireFigures(
-            tuple(answers(timeline)),
+            given,
             tuple(unanswered_items(timeline)),
-            tuple(questionnaires(timeline)),
+            known,
             tuple(rounds(timeline)),
             tuple(unanswered(timeline)),
+            tuple(score_rows(known, given)),
         )
         return found if found != NOTHING else None
 
@@ -185,6 +209,7 @@ class CountedQuestionnaires(FeatureFigures):
             figures,
             answers=_narrowed(figures.answers, people),
             missing=_narrowed(figures.missing, people),
+            scores=_narrowed(figures.scores, people),
         )
 
     def values(self, name: str, figures: QuestionnaireFigures | None) -> Mapping[str, Any]:
@@ -193,6 +218,7 @@ class CountedQuestionnaires(FeatureFigures):
             "answers": found.answers,
             "rounds": found.rounds,
             "unanswered": found.unanswered,
+            "scores": found.scores,
         }
 
     def circumstances(self, figures: QuestionnaireFigures) -> Iterator[str]:
@@ -240,6 +266,7 @@ class CountedQuestionnaires(FeatureFigures):
         )
 
     def tables(self, figures: QuestionnaireFigures) -> Iterator[ReportTable]:
+        yield score_table(figures)
         yield answer_table(figures)
 
     def instant(self, episode: e.Episode) -> Instant | None:
@@ -389,7 +416,7 @@ def _row(
     )
 
 
-def _narrowed(rows: tuple[AnswerRow, ...], people: Collection[str]) -> tuple[AnswerRow, ...]:
+def _narrowed(rows: tuple[_Row, ...], people: Collection[str]) -> tuple[_Row, ...]:
     return tuple(
         each if each.participant in people else replace(each, counted=False) for each in rows
     )
@@ -412,8 +439,12 @@ def _rounds(timeline: Timeline) -> Iterator[tuple[QuestionnaireEpisode, int, boo
 
 def _condition_of(timeline: Timeline, each: QuestionnaireEpisode) -> str:
     """The condition that it is about: none where it was asked outside of trials (at the end, or by
-    hand) of somebody who had several conditions, and is about all of them.
+    hand) of somebody who had several conditions, and is about all of them. A suspicion check is
+    about the whole session.
     """
+    roles = {one.name: one.role for one in timeline.state.study.settings.questionnaires}
+    if roles.get(each.name) == SUSPICION:
+        return ""
     if each.trial is not None or timeline.inside(each.context):
         return each.context.condition
     who = each.context.participant

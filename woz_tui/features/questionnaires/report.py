@@ -10,6 +10,7 @@ from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.tables import SETTINGS, Column, TableDefinition, rounded
 from woz_tui.features.questionnaires.codebook import AnswerTables, variables
 from woz_tui.features.questionnaires.figures import REASONS, AnswerRow, asked_in
+from woz_tui.features.questionnaires.score_tables import SCORE_ITEMS, SCORES
 from woz_tui.system.text_cleaning import seconds as exact
 
 #: What the table of settings says of where something was.
@@ -143,10 +144,12 @@ _WHY = {
 class QuestionnaireReport(FeatureReport):
     """Answers by item, and by round."""
 
-    tables = (ANSWERS,)
+    tables = (ANSWERS, SCORES, SCORE_ITEMS)
     about = (
         "`questionnaires.csv`, `questionnaires_wide.csv`: answers; `codebook.csv`: what each of"
         " them means",
+        "`questionnaire_scores.csv`, `questionnaire_score_items.csv`: what several items amount to;"
+        " `codebook_scores.csv`: how",
     )
     behaviour = BehaviourTable(
         ANSWERS,

@@ -15,6 +15,11 @@ from woz_tui.analysis.participants import participants_of, who_took_part
 from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.report_tables import OVER, total_text
 from woz_tui.features.questionnaires.figures import AnswerRow, RoundRow, asked_in, scale_text
+from woz_tui.features.questionnaires.score_totals import (
+    ScoreTotal,
+    ScoreTotals,
+    score_total_tables,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +111,7 @@ class GatheredScales(GatheredFigures):
     def __init__(self) -> None:
         #: By experiment, questionnaire, item and the ends of its scale.
         self._outcomes: dict[str, _ScaleOutcomes] = {}
+        self._scores: dict[str, ScoreTotals] = {}
         self._items: dict[tuple[str, str, str, float | None, float | None], _Item] = {}
 
     def add(self, experiment: str, figures: SessionFigures) -> None:
@@ -132,9 +138,22 @@ class GatheredScales(GatheredFigures):
                 answer.value
             )
 
+        for score in found.scores:
+            if score.counted or score.participant in people:
+                who = who_took_part(score.participant, figures.session)
+                self._scores.setdefault(experiment, ScoreTotals()).add(score, who)
+
     def outcomes(self, experiment: str, first: Mapping[str, str]) -> list[Outcome]:
-        there = self._outcomes.get(experiment)
-        return there.scales(first) if there is not None else []
+        there, scores = self._outcomes.get(experiment), self._scores.get(experiment)
+        return [
+            *(scores.outcomes(first) if scores is not None else ()),
+            *(there.scales(first) if there is not None else ()),
+        ]
+
+    def scores(self, experiment: str) -> list[ScoreTotal]:
+        """Means of all scores, by questionnaire, score and condition."""
+        there = self._scores.get(experiment)
+        return there.totals() if there is not None else []
 
     def items(self, experiment: str) -> list[ItemTotal]:
         """Means of all scales, by questionnaire, item, scale and condition."""
@@ -150,6 +169,8 @@ class GatheredScales(GatheredFigures):
         ]
 
     def tables(self, experiment: str, totals: Sequence[ConditionTotal]) -> Iterator[ReportTable]:
+        conditions = any(total.condition for total in totals)
+        yield from score_total_tables(self.scores(experiment), conditions)
         yield from item_tables(self.items(experiment), totals)
 
     def remarks(self, experiment: str) -> Iterator[str]:
@@ -162,7 +183,7 @@ class GatheredScales(GatheredFigures):
             yield f"the words of {', '.join(reworded)} were changed between these sessions"
 
     def values(self, experiment: str) -> Mapping[str, Any]:
-        return {"scales": self.items(experiment)}
+        return {"scales": self.items(experiment), "scores": self.scores(experiment)}
 
 
 def item_tables(

@@ -21,12 +21,12 @@ import msgspec
 
 from woz_tui.config.annotated_decoder import read_entries
 from woz_tui.config.experiment import Experiment
-from woz_tui.config.feature_section import FeatureSection, FileContents
+from woz_tui.config.feature_section import FeatureSection, FileContents, FileSurroundings
 from woz_tui.config.languages import DEFAULT, Language
 from woz_tui.config.reload_changes import changed_entries
-from woz_tui.config.yaml_cursor import Cursor, check_different, read_filled
+from woz_tui.config.yaml_cursor import Cursor, check_different, missing, read_filled
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, NotEmpty, OneOf, ReadApart
-from woz_tui.features.questionnaires.due import WHENS
+from woz_tui.features.questionnaires.due import SUSPICION, WHENS
 from woz_tui.features.questionnaires.item_entries import (
     NAME_PATTERN,
     ItemDefaults,
@@ -42,6 +42,8 @@ from woz_tui.features.questionnaires.item_entries import (
     read_name,
     read_scale,
 )
+from woz_tui.features.questionnaires.questionnaire_files import QuestionnaireFiles
+from woz_tui.features.questionnaires.score_entries import ScoreEntry, read_scores
 from woz_tui.protocol.welcome import (
     ENGLISH,
     Questionnaire,
@@ -51,15 +53,32 @@ from woz_tui.protocol.welcome import (
 
 
 @dataclass(frozen=True, slots=True)
+class InstrumentEntry(Entry):
+    """Where a questionnaire comes from."""
+
+    what = "the source of a questionnaire"
+    example = "{citation: ..., terms: ...}"
+    citation: Annotated[str, NotBlank(), Doc("as a paper names it")]
+    link: Annotated[str, NotBlank(), Doc("where it is found")] = ""
+    terms: Annotated[str, NotBlank(), Doc("under which terms its wording stands")] = ""
+    read: Annotated[str, NotBlank(), Doc("what was read of these terms, and when")] = ""
+
+
+@dataclass(frozen=True, slots=True)
 class QuestionnaireEntry(Entry):
     """A questionnaire as a file gives it."""
 
     what = "a questionnaire"
     example = "{title: ..., items: [...]}"
-    either = ("title", "name")
+    either = ("title", "name", "file")
+    file: Annotated[
+        str,
+        NotBlank(),
+        Doc("a file with the rest (`woz new --questionnaire` copies some); what stands here holds"),
+    ] = ""
     items: Annotated[
         Any, ReadApart(tuple[ItemEntry | str, ...]), NotEmpty(), Doc("questions, in this order")
-    ]
+    ] = ()
     name: NameOfEntry = ""
     title: Annotated[Text, NotBlank(), Doc("title")] = ""
     when: Annotated[
@@ -77,6 +96,15 @@ class QuestionnaireEntry(Entry):
         str, OneOf(("given", "shuffled")), Doc("whether chance decides the order of the items")
     ] = "given"
     required: RequiredOfEntry = None
+    scores: Annotated[
+        Any, ReadApart(dict[str, ScoreEntry]), Doc("what several items amount to, by name")
+    ] = None
+    role: Annotated[
+        str,
+        OneOf((SUSPICION,)),
+        Doc("a suspicion check: the last one that is asked, and of no condition"),
+    ] = ""
+    instrument: Annotated[InstrumentEntry | None, Doc("where it comes from")] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,6 +140,9 @@ _WHENS = {
 class QuestionnaireSection(FeatureSection[Asked]):
     """What the file asks of participants, and in which words."""
 
+    def begin(self, around: FileSurroundings) -> QuestionnaireReader:
+        return QuestionnaireReader(around)
+
     def read(self, table: Mapping[str, Cursor], file: Any, contents: FileContents) -> Asked:
         cursor = table.get("questionnaires")
         if "design" not in table:
@@ -141,6 +172,20 @@ class QuestionnaireSection(FeatureSection[Asked]):
 
 
 QUESTIONNAIRES = QuestionnaireSection(QuestionnaireKeys, Asked())
+
+
+class QuestionnaireReader(QuestionnaireSection):
+    """Reads one experiment, with the files that it names."""
+
+    def __init__(self, around: FileSurroundings) -> None:
+        super().__init__(QuestionnaireKeys, Asked())
+        self._files = QuestionnaireFiles(around)
+
+    def read(self, table: Mapping[str, Cursor], file: Any, contents: FileContents) -> Asked:
+        filled = self._files.filled(table.get("questionnaires"))
+        return super().read(
+            table if filled is None else {**table, "questionnaires": filled}, file, contents
+        )
 
 
 def _in_words(questionnaire: Questionnaire) -> str:
@@ -183,7 +228,14 @@ def read_questionnaires(cursor: Cursor | None, code: str = DEFAULT) -> tuple[Que
     ]
     named = [(entry, each.name) for entry, each in found]
     check_different(named, "a questionnaire", ("name", "title"))
-    return tuple(each for _, each in found)
+    return tuple(sorted((each for _, each in found), key=_asked_last))
+
+
+def _asked_last(questionnaire: Questionnaire) -> bool:
+    """Whether it stands behind all others: whoever was asked who was behind the robot answers
+    anything else in another light.
+    """
+    return questionnaire.role == SUSPICION
 
 
 def _questionnaire(cursor: Cursor, entry: QuestionnaireEntry, code: str) -> Questionnaire:
@@ -192,7 +244,12 @@ def _questionnaire(cursor: Cursor, entry: QuestionnaireEntry, code: str) -> Ques
     shuffled = entry.order == "shuffled"
     scale = read_scale(table.get("scale"), entry.scale, Scale())
     defaults = ItemDefaults(scale, entry.stem, entry.required or "required", shuffled)
+    if "items" not in table and "file" not in table:
+        missing({}, "items", cursor, "questions, in this order")
     items = read_items(table.get("items"), defaults, code)
+    scores = read_scores(table.get("scores"), items)
+    if entry.role == SUSPICION and entry.when not in ("end", "hand"):
+        table["when"].error("a suspicion check is asked at the end, or by hand")
     languages = languages_of(cursor, [item.cursor for item in items], code)
 
     first, *others = (
@@ -213,6 +270,8 @@ def _questionnaire(cursor: Cursor, entry: QuestionnaireEntry, code: str) -> Ques
         shuffled=shuffled,
         language=code if others else "",
         versions=tuple(others),
+        scores=scores,
+        role=entry.role,
     )
 
 

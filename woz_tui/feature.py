@@ -135,6 +135,7 @@ class Feature:
         session_kind: A `host.session_kind.SessionKind`: a kind of session without a participant.
         bookmarks: A `replay.bookmarks.FeatureBookmarks`: what of it a replay can go to.
         doctor: A `machine.feature_checks.FeatureChecks`: what `woz doctor` looks at.
+        new_files: A `cli.new_files.FeatureFiles`: files that `woz new` lists and copies.
         start: An option with which a session can begin.
         performer: Who carries out the verbs of its section; its piece `session` is a
             `session.session_features.PerformingFeature` then.
@@ -167,6 +168,7 @@ class Feature:
     session_kind: ClassVar[str] = ""
     bookmarks: ClassVar[str] = ""
     doctor: ClassVar[str] = ""
+    new_files: ClassVar[str] = ""
     start: ClassVar[StartOption | None] = None
     performer: ClassVar[PerformerName | None] = None
     command: ClassVar[CommandLine | None] = None

@@ -16,6 +16,7 @@ from pathlib import Path
 from woz_tui.analysis.text_format import counted, listed
 from woz_tui.cli.check import verdict
 from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.new_files import FeatureFiles
 from woz_tui.cli.new_from import copy_example, print_examples
 from woz_tui.config import utterance_template
 from woz_tui.config.bundled_files import ROBOTS, is_path, robot_files
@@ -41,6 +42,7 @@ examples:
   woz new guide.yaml --template museum --robot nao    ask for the rest
   woz new talk.yaml --yes --conditions strict,kind    ask nothing
   woz new lab/show.yaml --from show                   an example, as it is
+  woz new --questionnaire tlx                         copy a questionnaire
 
 The file runs at once. Its sentences are examples: write yours instead."""
 
@@ -65,6 +67,8 @@ def add(parser: ArgumentParser) -> None:
         help=f"what the robot does: {listed(tuple(TEMPLATES), 'or')} (default: interview)",
     )
     parser.add_argument("--yes", action="store_true", help="use the defaults without asking")
+    for each in pieces("new_files", FeatureFiles).values():
+        parser.add_argument(each.flag, nargs="?", const="", metavar="NAME", help=each.help)
     asked = parser.add_argument_group(
         "five questions", "Asked in this order; enter takes the default. An option answers its own."
     )
@@ -109,12 +113,15 @@ def run(arguments: Namespace) -> int:
 
 def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | None) -> int:
     """`run` with the drivers of `catalogue`; without `ask` nothing is asked."""
+    for each in pieces("new_files", FeatureFiles).values():
+        if getattr(arguments, each.dest) is not None:
+            return _print_copied(each, arguments)
     if arguments.examples:
         return print_examples()
-    if arguments.file is None:
-        print("woz: name the new file: woz new guide.yaml", file=sys.stderr)
+    path: Path | None = arguments.file
+    if path is None:
+        print("woz: a new experiment needs a name: woz new guide.yaml", file=sys.stderr)
         return 2
-    path: Path = arguments.file
     if arguments.source is not None:
         return copy_example(arguments.source, path)
     if arguments.study is False and arguments.conditions is not None:
@@ -147,6 +154,13 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
         undo.pop_all()
     _print(path, experiment, abilities)
     return 0
+
+
+def _print_copied(files: FeatureFiles, arguments: Namespace) -> int:
+    """List or copy files of a feature."""
+    code, said = files.run(getattr(arguments, files.dest), arguments.file)
+    print(f"woz: {said}" if code else said, file=sys.stderr if code else sys.stdout)
+    return code
 
 
 def _taken(path: Path) -> int:

@@ -21,6 +21,7 @@ class Questionnaires(Feature):
     figures = "figures:FIGURES"
     gathered = "scales:GatheredScales"
     report = "report:REPORT"
+    new_files = "new_files:INSTRUMENTS"
     screen = ParticipantScreen(
         "--questionnaire",
         "show only the questionnaires (or this one), for the participant's terminal",

@@ -174,7 +174,7 @@ def _filled(args: dict[str, Json], values: VariableValues) -> Mapping[str, Json]
 
 def missing_value_error(missing: MissingValueError) -> RequestError:
     """The refusal of a line whose variable has no value, with where the value comes from."""
-    if not missing.variable:
+    if not missing.variable or missing.offered:
         return RequestError(str(missing))
     if missing.variable in OF_VISITOR:
         return RequestError(

@@ -51,12 +51,12 @@ class VariableValues(dict[str, str]):
 
 class MissingValueError(ValueError):
     """A variable has no value yet; the text names it. `variable`: which; empty: a text depends on
-    something else.
+    something else. `offered`: it is likely to be one of several, of which somebody chooses.
     """
 
-    def __init__(self, text: str, variable: str = "") -> None:
+    def __init__(self, text: str, variable: str = "", *, offered: bool = False) -> None:
         super().__init__(text)
-        self.variable = variable
+        self.variable, self.offered = variable, offered
 
 
 def fill_variables(value: Json, values: VariableValues) -> Json:
@@ -134,7 +134,8 @@ def _value(name: str, values: VariableValues) -> str:
         return f"{{{name}}}"
     if not text:
         why = values.why.get(name, "")
-        raise MissingValueError(f"{{{name}}} has no value yet{why and ': '}{why}", name)
+        text = f"{{{name}}} has no value yet{why and ': '}{why}"
+        raise MissingValueError(text, name, offered=name in values.offers)
     return text
 
 

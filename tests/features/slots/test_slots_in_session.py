@@ -294,3 +294,14 @@ def test_programs_and_assistants_say_what_stands_there(tmp_path: Path) -> None:
                 await caller.call(PLAY, {"action": "Ask"})
 
     assert said(hosted(made(tmp_path), scenario)) == ["Do you like red?", "Do you like blue?"]
+
+
+def test_what_would_be_said_is_foretold_only_when_it_is_known(tmp_path: Path) -> None:
+    async def scenario(host: ServedSession) -> None:
+        program = await host.connect()
+        await program.hello()
+        reply = await program.ask("predict", action="Ask")
+        assert "{colour} has no value yet: a wizard or a program fills it in" in reply["reason"]
+        assert "command" not in reply, "no participant is missing"
+
+    hosted(made(tmp_path), scenario)

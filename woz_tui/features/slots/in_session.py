@@ -51,7 +51,7 @@ class SlotsInSession(SessionFeature):
             {name: line.value for name, line in kept.items()},
             why={name: empty for name in self._slots if name not in kept},
             tells={name: line.tells for name, line in kept.items() if line.tells},
-            offers={name: slot.offer for name, slot in self._slots.items() if slot.offer},
+            offers={name: slot.offer for name, slot in self._slots.items()},
         )
 
     def fact(self) -> object | None:

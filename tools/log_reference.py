@@ -13,6 +13,15 @@ from woz_tui.protocol.messages import Message
 
 #: Unit (empty: none) and meaning of every field, by name: one name means one thing everywhere.
 FIELDS: dict[str, tuple[str, str]] = {
+    "after_us": ("µs", "from the offer to its end; of settings: a cue is answered no sooner"),
+    "approval": ("", "the program does nothing that is not taken; absent: it only offers"),
+    "programs": ("", "names of programs that only propose; absent: none"),
+    "reasons": ("", "why each item was chosen, in their order"),
+    "scores": ("", "how likely each item is (0 to 1), in their order"),
+    "how": ("", "how the set ended: see the line.s description"),
+    "set": ("", "id of the set of proposals"),
+    "sources": ("", "what proposes: logs, model, program; absent: nothing"),
+    "who": ("", "name of the program; absent: none"),
     "chosen": ("", "by what: `rule`, or the wizard's `hand`"),
     "face": ("", "number of a face before a camera; absent: nobody's"),
     "about": ("", "data of the visitor: `age_group`, `address`; absent: nothing"),
@@ -54,7 +63,10 @@ FIELDS: dict[str, tuple[str, str]] = {
     "conflicts": ("", "settings that conflict, one sentence each"),
     "console": ("", "id of the connection it came over"),
     "copied": ("", "whether the file is a copy of all that was in a deleted one"),
-    "cue": ("", "id of the cue; empty: there was none"),
+    "cue": (
+        "",
+        "id of the cue; of a proposal: driver and segment of the words; empty: there was none",
+    ),
     "cued": ("µs", "moment, on the `t` axis, of the cue"),
     "cues": ("", "which cues count: see the line's description"),
     "deadline_us": ("µs", "moment, on the `t` axis, after which it may not begin; absent: none"),
@@ -92,8 +104,8 @@ FIELDS: dict[str, tuple[str, str]] = {
     "format": ("", "always `woz-session`"),
     "hidden": ("", "what is hidden"),
     "intensity": ("", "how much of it the face shows, 0 to 1"),
-    "item": ("", "name of the questionnaire's item"),
-    "items": ("", "the questionnaire's items: see the line's description"),
+    "item": ("", "name of the questionnaire's item, or id of the proposal's"),
+    "items": ("", "items of the questionnaire or the proposal: see the line's description"),
     "jitter_us": ("µs", "longest random time that is added"),
     "judged": ("", "how the wizard answered the cue: see the line's description"),
     "key": ("", "the key that was pressed"),
@@ -259,7 +271,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "removed_until": ("µs", "moment, on the `t` axis, of the last line that was taken out"),
     "version": ("", "version of woz-tui"),
     "unit": ("", "unit of `value`"),
-    "until": ("µs", "moment, on the `t` axis, at which it begins"),
+    "until": ("µs", "moment, on the `t` axis, at which it begins, or until which it holds"),
     "uses": ("", "the signs that make up the condition of engagement"),
     "value": (
         "`unit`",

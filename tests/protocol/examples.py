@@ -371,6 +371,7 @@ MESSAGES: tuple[m.Message, ...] = (
     *feature_examples("lsl", "MESSAGES"),
     *feature_examples("slots", "MESSAGES"),
     *feature_examples("people", "MESSAGES"),
+    *feature_examples("proposals", "PROPOSALS"),
 )
 
 _PANELS = [
@@ -469,6 +470,8 @@ REQUESTS: tuple[r.Request, ...] = (
     *feature_examples("lsl", "REQUESTS"),
     *feature_examples("slots", "REQUESTS"),
     *feature_examples("people", "REQUESTS"),
+    *feature_examples("proposals", "REQUESTS"),
+    r.AskCancel(ref=64, asked=60),
 )
 
 

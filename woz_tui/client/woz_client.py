@@ -474,6 +474,9 @@ class WozClient:
         except asyncio.CancelledError:
             if asked.run is not None:  # cancelled in the moment in which the reply came
                 self._cancel(asked.run.id)
+            elif asked.arrives is not None:  # it may wait for somebody who approves it
+                with contextlib.suppress(WozConnectionError):
+                    self._write(r.AskCancel(asked=ref))
             raise
         if not reply.ok:
             raise WozRefusedError(reply.reason, reply.hint)

@@ -362,6 +362,7 @@ class Console(ScreenApp):
         self._panels.bear(self.caps)
         glyphs = self.look.glyphs
         state.keys = {name: caption(cap, glyphs) for name, cap in self.caps.items() if cap.chord}
+        state.own_keys = {name: self._key(name) for name in self.keymap.builtins}
         self.keyboard.bind(self.keymap.table, self._own_keys())
         self.keyboard.holds = state.settings.driving == "held"
         self._bind_arrows()

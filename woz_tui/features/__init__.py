@@ -20,4 +20,5 @@ FEATURES: tuple[str, ...] = (
     "woz_tui.features.lsl:Lsl",
     "woz_tui.features.page:Page",
     "woz_tui.features.bundle:Bundle",
+    "woz_tui.features.proposals:Proposals",
 )

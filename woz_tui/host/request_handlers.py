@@ -126,6 +126,8 @@ class RequestHandlers:
             with self._session.hub.on_behalf_of(client.name):
                 self._session.log_too_old(refusal)
             client.refuse(request.ref, refusal.reason, refusal.remedy, refusal.command)
+        elif self._deferred(client, request):
+            pass  # it is answered once somebody has decided
         elif isinstance(request, AskDescribe):
             client.send(Reply(ref=request.ref, ok=True, data=self._session.describe()))
         elif isinstance(request, AskPicture):
@@ -136,6 +138,29 @@ class RequestHandlers:
             self._answer_in_background(client, request)
         else:
             client.send(self._answer_at_once(client, request))
+
+    def _deferred(self, client: ClientConnection, request: Request) -> bool:
+        """Whether a feature has it wait, or has refused it."""
+        asks = Client(client.name, client.role, self._by(client), self._tells(client))
+        try:
+            with self._session.hub.on_behalf_of(client.name):
+                return self._session.features.defer(
+                    request, asks, partial(self._decided, client, request)
+                )
+        except RequestError as error:
+            client.send(_refused(client, request, error))
+            return True
+
+    def _decided(
+        self, client: ClientConnection, asked: Request, decided: Request | RequestError
+    ) -> Reply:
+        """Carry out what waited, or refuse it, and answer its client."""
+        if isinstance(decided, RequestError):
+            reply = _refused(client, asked, decided)
+        else:
+            reply = self._answer_at_once(client, decided)
+        client.send(reply)
+        return reply
 
     def _answer_sound(self, client: ClientConnection, request: AskSound | AskTalk) -> None:
         try:
@@ -161,7 +186,7 @@ class RequestHandlers:
 
     def _answer_at_once(self, client: ClientConnection, request: Request) -> Reply:
         ends: dict[str, ActionEnd | End] = {}
-        self._ends = ends
+        around, self._ends = self._ends, ends  # of the request that lets this one happen
         try:
             with self._session.hub.on_behalf_of(client.name):
                 run = self._carry_out(client, _by_a_client(client, request))
@@ -174,7 +199,7 @@ class RequestHandlers:
                 reply = replace(reply, run=runs[-1] if runs else "")
             return reply
         finally:
-            self._ends = None
+            self._ends = around
         reply, end = Reply(ref=request.ref, ok=True, run=run), ends.get(run)
         return reply if end is None else _with_end(client, reply, end)
 
@@ -208,6 +233,8 @@ class RequestHandlers:
                 session.release(source, stale, missing)
             case AskControls():
                 self._hand(client, request)
+            case AskCancel(run="", asked=ref):
+                session.features.withdraw(client.name, ref)
             case AskCancel(run=ended):
                 session.cancel(ended, self._by(client))
             case AskEmptyQueue():

@@ -193,9 +193,12 @@ class AskRelease(Request, frozen=True, kw_only=True, tag="release"):
 
 
 class AskCancel(Request, frozen=True, kw_only=True, tag="cancel"):
-    """Cut one running or queued action short."""
+    """Cut one running or queued action short. Without a `run`: withdraw this client's request with
+    the number `asked`, if it still waits for somebody who approves it.
+    """
 
-    run: str
+    run: str = ""
+    asked: int = 0
 
 
 class AskEmptyQueue(Request, frozen=True, kw_only=True, tag="empty-queue"):

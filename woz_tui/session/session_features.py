@@ -23,7 +23,7 @@ from woz_tui.gate.table import FeatureGate
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.refusal import Refusal, RequestError
-from woz_tui.protocol.requests import Request
+from woz_tui.protocol.requests import Reply, Request
 from woz_tui.session.action_runner import ActionRunner
 from woz_tui.session.action_texts import (
     NOTHING_GIVEN,
@@ -54,6 +54,11 @@ class Client:
     by: str
     tells: tuple[str, ...] = ()
     stale: str = ""
+
+
+#: Carries a request out that waited, as it is given, or refuses it for this reason; the answer that
+#: its client gets.
+Decide = Callable[[Request | RequestError], Reply]
 
 
 class FeatureSession(Protocol):
@@ -99,6 +104,19 @@ class FeatureSession(Protocol):
 
         `stale`: why the press is too old to be played. `text` is said in place of its first
         sentence, and tells `tells`. `given`: values of variables that came with the request.
+        """
+
+    def send(
+        self,
+        verb: str,
+        args: Mapping[str, m.Json],
+        on: str,
+        origin: RequestOrigin,
+        *,
+        tells: tuple[str, ...] = (),
+    ) -> str:
+        """Send one verb; the command's id. Raises `RequestError`. `tells` as in
+        `messages.Command`.
         """
 
     def follow(self, kind: type[Episode], call: Callable[[Any], object]) -> None:
@@ -186,6 +204,15 @@ class SessionFeature:
     def carry_out(self, request: Any, client: Client) -> str:
         """Do what is asked; the id of the run or command that it has begun, if any."""
         raise RequestError(f"{type(request).__name__} cannot be used here")
+
+    def defer(self, request: Request, client: Client, decide: Decide) -> bool:
+        """Whether a client's request waits until somebody has decided; then the feature calls
+        `decide` once, unless the client has gone. Raises `RequestError`: it is refused at once.
+        """
+        return False
+
+    def withdraw(self, console: str, ref: int) -> None:
+        """The client does not want any more what it asked for with this number."""
 
     def carry_out_ask(self, ask: Ask, origin: RequestOrigin, stale: str) -> None:
         """Do what a driver asks for. `stale`: why it is too old; empty: it is not."""
@@ -288,6 +315,7 @@ _FAILED = "\0"
 #: Where features are asked or told something; those that have nothing to do there are passed by.
 _HOOKS = (
     *("begin", "prepare", "close", "play", "after_play", "adopt", "hold", "drop", "begin_anew"),
+    *("defer", "withdraw"),
     *("allow_next", "tell_owed", "front", "fact", "findings", "companion"),
     *("values", "check_given", "filled"),
 )
@@ -413,6 +441,21 @@ class SessionFeatures:
         if run is _FAILED:
             raise RequestError(f"{name} failed and is not used any more", IN_HOST_LOG)
         return run or ""
+
+    def defer(self, request: Request, client: Client, decide: Decide) -> bool:
+        """Whether a feature has the request wait. Raises `RequestError` where it is refused."""
+        for name, feature in [*self._with["defer"].items()]:
+            waits = self._answer(name, feature.defer, None, request, client, decide)
+            if waits is None:
+                raise RequestError(f"{name} failed and is not used any more", IN_HOST_LOG)
+            if waits:
+                return True
+        return False
+
+    def withdraw(self, console: str, ref: int) -> None:
+        """A client does not want any more what it asked for with this number."""
+        for name, feature in [*self._with["withdraw"].items()]:
+            self._safely(name, feature.withdraw, None, console, ref)
 
     def carry_out_ask(self, ask: Ask, origin: RequestOrigin, stale: str) -> None:
         """Do what a driver asks of a feature. Raises `RequestError`."""

@@ -155,6 +155,7 @@ complete -c woz -n '_shtab_woz_using new' -l from -x -d 'copy an example that co
 complete -c woz -n '_shtab_woz_using new' -l examples -d 'list these examples, and leave'
 complete -c woz -n '_shtab_woz_using new' -l template -xka "interview museum game tutoring survey" -d 'what the robot does: interview, museum, game, tutoring or survey (default: interview)'
 complete -c woz -n '_shtab_woz_using new' -l yes -d 'use the defaults without asking'
+complete -c woz -n '_shtab_woz_using new' -l questionnaire -x -d 'copy a questionnaire instead; without a name list them, with their terms'
 complete -c woz -n '_shtab_woz_using new' -l robot -x -d 'a name that `woz robots` lists, or a robot file (default: simulated)'
 complete -c woz -n '_shtab_woz_using new' -l study -d 'with participants, conditions and a questionnaire (default)'
 complete -c woz -n '_shtab_woz_using new' -l free -d 'free play, no study'

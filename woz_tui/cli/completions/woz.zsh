@@ -466,6 +466,7 @@ _shtab_woz_new_options=(
   "--examples[list these examples, and leave]"
   "--template[what the robot does\: interview, museum, game, tutoring or survey (default\: interview)]:NAME:(interview museum game tutoring survey)"
   "--yes[use the defaults without asking]"
+  "--questionnaire[copy a questionnaire instead\; without a name list them, with their terms]:NAME:"
   "--robot[a name that \`woz robots\` lists, or a robot file (default\: simulated)]:NAME:"
   "--study[with participants, conditions and a questionnaire (default)]"
   "--free[free play, no study]"

@@ -108,6 +108,8 @@ class ConsoleState:
     lost: Loss | None = None
     #: Action -> its key, as a cap shows it.
     keys: Mapping[str, str] = field(default_factory=dict)
+    #: The console's own keys by id, as caps show them.
+    own_keys: Mapping[str, str] = field(default_factory=dict)
     #: Raised whenever panels are new, so that keys and layout follow.
     edition: int = 0
     #: How a replay stands, and its places to go to; None in a session.

@@ -1,0 +1,112 @@
+"""Proposals on the wizard's screen: each keeps its place, and is taken by its key."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from tests.console import scenes
+from tests.console.dialogs import entry
+from tests.console.piloting import ConsolePilot, piloted_console
+from tests.features.phases.test_phases_on_screen import at
+from woz_tui.features.proposals.kinds import (
+    AskDismiss,
+    AskTake,
+    ProposedItem,
+    SuggestGone,
+    SuggestOffered,
+    SuggestSettings,
+    SuggestTaken,
+)
+
+SIZES = pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+ON = SuggestSettings(sources=["program"], programs=["mcp"])
+
+
+def offered(number: int, *texts: str, **more: Any) -> SuggestOffered:
+    items = [ProposedItem(str(i), text=text) for i, text in enumerate(texts, 1)]
+    name = {"set": f"s{number}", "who": "mcp", "source": "program"}
+    return SuggestOffered(**{**name, "items": items, "until": scenes.NOW + 10_000_000, **more})
+
+
+async def told(pilot: ConsolePilot, *messages: Any) -> None:
+    for seq, message in enumerate(messages, 5000):
+        await at(pilot, message, seq)
+
+
+def board(pilot: ConsolePilot) -> str:
+    return pilot.text("FeatureBoard")
+
+
+@SIZES
+async def test_each_has_its_key_and_who_proposes_it(size: tuple[int, int]) -> None:
+    async with piloted_console(size=size) as pilot:
+        before = pilot.drawn()
+        await told(pilot, ON)
+        assert "nothing is proposed" in pilot.drawn()
+        await told(pilot, offered(1, "It is a whale.", approval=True))
+        assert "F6 mcp asks: “It is a whale.”" in " ".join(pilot.drawn().split())
+        assert "F9 edit  ^S no" in pilot.drawn()
+        assert before.count("\n") == pilot.drawn().count("\n")
+
+
+async def test_the_key_takes_what_stands_there_by_its_set() -> None:
+    async with piloted_console() as pilot:
+        await told(pilot, ON, offered(1, "One?", "Two?"), offered(2, "Three?"))
+        for key, wanted in (("f6", ("s1", "1")), ("f7", ("s1", "2")), ("f8", ("s2", "1"))):
+            await pilot.press(key)
+            asked = pilot.feed.last(AskTake)
+            assert isinstance(asked, AskTake)
+            assert (asked.set, asked.item, asked.key) == (*wanted, key)
+        await pilot.press("ctrl+s")
+        declined = pilot.feed.last(AskDismiss)
+        assert isinstance(declined, AskDismiss)
+        assert declined.set == "s1"
+
+
+async def test_nothing_moves_under_a_finger() -> None:
+    async with piloted_console(size=(80, 24)) as pilot:
+        await told(pilot, ON, offered(1, "One?"), offered(2, "Two?"))
+        await told(pilot, SuggestGone(set="s1", how="expired"))
+        await pilot.press("f7")
+        asked = pilot.feed.last(AskTake)
+        assert isinstance(asked, AskTake)
+        assert asked.set == "s2", "it stands where it stood"
+        await pilot.press("f6")
+        assert "Nothing is proposed there" in pilot.drawn()
+        await told(pilot, offered(3, "Three?"))
+        await pilot.press("f6")
+        asked = pilot.feed.last(AskTake)
+        assert isinstance(asked, AskTake)
+        assert asked.set == "s3"
+
+
+async def test_it_is_changed_before_it_is_said() -> None:
+    async with piloted_console() as pilot:
+        await told(pilot, ON, offered(1, "It is a wale."))
+        await pilot.press("f9")
+        assert "Proposed by mcp" in pilot.drawn()
+        assert entry(pilot).value == "It is a wale."
+        await pilot.press(*["backspace"] * 5)
+        await pilot.type("whale!")
+        await pilot.press("enter")
+        asked = pilot.feed.last(AskTake)
+        assert isinstance(asked, AskTake)
+        assert (asked.set, asked.text) == ("s1", "It is a whale!")
+
+
+async def test_the_box_closes_when_the_proposal_has_gone() -> None:
+    async with piloted_console() as pilot:
+        await told(pilot, ON, offered(1, "It is a wale."))
+        await pilot.press("f9")
+        assert pilot.console.dialog is not None
+        await told(pilot, SuggestTaken(set="s1", item="1", how="key"))
+        assert pilot.console.dialog is None
+
+
+async def test_a_session_without_proposals_has_no_line_of_them() -> None:
+    async with piloted_console() as pilot:
+        assert "nothing is proposed" not in pilot.drawn()
+        await pilot.press("f6")
+        assert "Nothing is proposed there" in pilot.drawn()

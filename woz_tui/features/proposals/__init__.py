@@ -1,0 +1,19 @@
+"""Proposals: something proposes, the wizard takes it."""
+
+from woz_tui.feature import Feature
+
+
+class Proposals(Feature):
+    """What programs want to do waits for the wizard. Stands behind what it looks at: scripts."""
+
+    name = "proposals"
+    kinds = "kinds:KINDS"
+    section = "section:PROPOSALS"
+    keys = "keys.json"
+    sentences = "console:SENTENCES"
+    notes = "notes:ShownProposals"
+    console = "console:CONSOLE"
+    gate = "gate:GATE"
+    session = "in_session:ProposalsInSession"
+    history = "history:ProposalHistory"
+    export = "export:EXPORT"

@@ -1,0 +1,106 @@
+"""Proposals on the wizard's screen: a row for each, with its key."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from woz_tui.console.drawing.cells import Row, clean, cut, length, spread
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.event_sentences import EventContext, EventLine
+from woz_tui.console.widgets.bottom_rows import quotation
+from woz_tui.console.widgets.feature_console import Board, FeatureCommand, FeatureConsole
+from woz_tui.features.proposals.history import ProposalHistory
+from woz_tui.features.proposals.kinds import ProposedItem, SuggestGone, SuggestTaken
+from woz_tui.features.proposals.notes import PLACES, ShownItem, ShownProposals
+
+#: Lines of a screen from which on all places are shown; below, one less.
+TALL = 30
+KEYS = tuple(f"take_{place}" for place in range(1, PLACES + 1))
+EDIT, NONE = "take_edit", "take_none"
+
+
+def places_of(state: ConsoleState) -> Sequence[ShownItem | None]:
+    """What stands at each place."""
+    notes = state.study.notes.of(ShownProposals)
+    return notes.places if notes is not None else ()
+
+
+def _lines(state: ConsoleState, height: int) -> int:
+    """As many at all times, so that nothing moves when a proposal comes."""
+    settings = state.session.history(ProposalHistory).settings
+    if settings is None or not settings.sources or state.replay is not None:
+        return 0
+    return PLACES if height >= TALL else PLACES - 1
+
+
+def _rows(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
+    return [
+        _row(state, frame, place, shown)
+        for place, shown in enumerate(places_of(state)[: frame.height])
+    ]
+
+
+def _row(state: ConsoleState, frame: PaintFrame, place: int, shown: ShownItem | None) -> Row:
+    """Key, who proposes, what, and how long it still waits."""
+    glyphs, cap = frame.glyphs, state.own_keys.get(KEYS[place], "")
+    if shown is None:
+        if place or any(places_of(state)):
+            return ((" ", "plain"),)
+        return ((" nothing is proposed", "muted"),)
+    offered, item = shown
+    who = clean(offered.who) or offered.source
+    asks = f"{who} asks: " if offered.approval else f"{who}: "
+    front: Row = ((f" {cap or glyphs.dash} ", "key"), (f" {asks}", "wait"))
+    more = ""
+    if not place:
+        edits, none = (state.own_keys.get(name, "") for name in (EDIT, NONE))
+        more = f" {edits} edit " * bool(edits and item.text) + f" {none} no " * bool(none)
+    left = max(0, offered.until - frame.now)
+    right: Row = ((more, "muted"), (f" {(left + 999_999) // 1_000_000} s ", "muted"))
+    what: Row = ((item_words(state, item, frame), "strong"),)
+    room = frame.width - length(right)
+    return spread(cut((*front, *what), room, glyphs.ellipsis), right, frame.width, glyphs.ellipsis)
+
+
+def item_words(state: ConsoleState, item: ProposedItem, frame: PaintFrame) -> str:
+    """`“Hello”`, the action's label, `gaze yaw 20`."""
+    if item.action:
+        return clean(state.label(item.action))
+    said = quotation(item.text, frame.glyphs)
+    if item.verb in ("", "say"):
+        return said
+    rest = (f"{name} {value}" for name, value in item.args.items() if name != "text")
+    return clean(" ".join(filter(None, (item.verb, *rest)))) + (f" {said}" if said else "")
+
+
+def _taken(message: SuggestTaken, shown: EventContext) -> EventLine:
+    how = {"edited": "Proposal changed and taken", "own_key": "Played as proposed"}
+    return EventLine("info", how.get(message.how, "Proposal taken"), message.text)
+
+
+_GONE = {
+    "expired": "Proposal: nobody took it in time",
+    "dismissed": "Proposal declined",
+    "refused": "Proposal taken, but refused",
+}
+
+
+def _gone(message: SuggestGone, shown: EventContext) -> EventLine | None:
+    said = _GONE.get(message.how)
+    return EventLine("info", said) if said else None
+
+
+SENTENCES = {SuggestTaken: _taken, SuggestGone: _gone}
+
+_KEYS_MODULE = f"{__package__}.dialog"
+CONSOLE = FeatureConsole(
+    commands=(
+        FeatureCommand(KEYS[0], calls=f"{_KEYS_MODULE}:take_first", found=False),
+        FeatureCommand(KEYS[1], calls=f"{_KEYS_MODULE}:take_second", found=False),
+        FeatureCommand(KEYS[2], calls=f"{_KEYS_MODULE}:take_third", found=False),
+        FeatureCommand(EDIT, calls=f"{_KEYS_MODULE}:open_edit", found=False),
+        FeatureCommand(NONE, calls=f"{_KEYS_MODULE}:dismiss_first", found=False),
+    ),
+    board=Board(_lines, _rows),
+)

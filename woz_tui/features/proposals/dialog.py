@@ -1,0 +1,97 @@
+"""Taking proposals by their keys, and changing a sentence before it is said."""
+
+from __future__ import annotations
+
+from woz_tui.console.drawing.cells import clean
+from woz_tui.console.screens.dialog import ConsoleApp, EntryDialog
+from woz_tui.features.proposals.console import EDIT, KEYS, places_of
+from woz_tui.features.proposals.kinds import AskDismiss, AskTake
+from woz_tui.features.proposals.notes import ShownItem
+
+NOTHING = "Nothing is proposed there"
+
+
+def take_first(app: ConsoleApp) -> None:
+    """Take what stands at the first place."""
+    _take(app, 0)
+
+
+def take_second(app: ConsoleApp) -> None:
+    """Take what stands at the second place."""
+    _take(app, 1)
+
+
+def take_third(app: ConsoleApp) -> None:
+    """Take what stands at the third place."""
+    _take(app, 2)
+
+
+def _take(app: ConsoleApp, place: int) -> None:
+    """What is asked for is what stands there now, by its set."""
+    shown = _at(app, place)
+    if shown is None:
+        app.news(NOTHING)
+        return
+    key = app.key_of(KEYS[place])
+    app.requests.ask(AskTake(set=shown.offered.set, item=shown.item.id, key=key))
+
+
+def dismiss_first(app: ConsoleApp) -> None:
+    """Take nothing of the set at the first place."""
+    shown = _at(app, 0)
+    if shown is None:
+        app.news(NOTHING)
+    else:
+        app.requests.ask(AskDismiss(set=shown.offered.set))
+
+
+def open_edit(app: ConsoleApp) -> None:
+    """Change the sentence at the first place."""
+    shown = _at(app, 0)
+    if shown is None:
+        app.news(NOTHING)
+    elif not shown.item.text:
+        app.news("It is no sentence: there is nothing to edit")
+    else:
+        app.open_dialog(EditProposalDialog(shown))
+
+
+def _at(app: ConsoleApp, place: int) -> ShownItem | None:
+    places = places_of(app.state)
+    return places[place] if place < len(places) else None
+
+
+class EditProposalDialog(EntryDialog):
+    """A proposed sentence, to be said otherwise. The box closes when the proposal has gone."""
+
+    hint = "enter says it so · ctrl+q closes; the proposal stays until it expires"
+    size_class = "wide"
+
+    def __init__(self, shown: ShownItem) -> None:
+        super().__init__()
+        who = clean(shown.offered.who) or shown.offered.source
+        self.heading = f"Proposed by {who}"
+        self._shown = shown
+
+    @property
+    def draft(self) -> str:
+        """Of this proposal."""
+        return f"{type(self).__name__} {self._shown.offered.set} {self._shown.item.id}"
+
+    def on_mount(self) -> None:
+        """The sentence as it was proposed, unless it was changed before."""
+        super().on_mount()
+        if self.there and not self.entry.value:
+            self.set_text(self._shown.item.text)
+
+    def refreshed(self) -> None:
+        """It was taken at another console, or has gone."""
+        if self._shown not in places_of(self.state):
+            self.leave()
+
+    def submit(self, text: str) -> None:
+        """Take it; where nothing was changed, as it is."""
+        new = "" if text == self._shown.item.text else text
+        key = self.console_app.key_of(EDIT)
+        asked = AskTake(set=self._shown.offered.set, item=self._shown.item.id, text=new, key=key)
+        self.requests.ask(asked)

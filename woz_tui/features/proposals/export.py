@@ -1,0 +1,24 @@
+"""Proposals in exports: each set is an interval."""
+
+from __future__ import annotations
+
+from woz_tui.export.feature_export import FeatureExport
+
+EXPORT = FeatureExport(
+    label_and_text={
+        "suggest.offered": ("source", "who"),
+        "suggest.taken": ("how", "text"),
+        "suggest.gone": ("how", ""),
+    },
+    points={"proposals": ("suggest.offered", "suggest.taken", "suggest.gone", "suggest.ranked")},
+    settings=("suggest.settings",),
+    kept={
+        "suggest.settings": ("sources", "programs"),
+        "suggest.offered": ("set", "source", "who", "cue"),
+        "suggest.ranked": ("set", "reasons"),
+        "suggest.taken": ("set", "item", "how", "run", "console"),
+        "suggest.gone": ("set", "how"),
+    },
+    ids=("set",),
+    of_session=("suggest.settings",),
+)

@@ -1,0 +1,58 @@
+"""What a program does not do without the wizard."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import cast
+
+from woz_tui.features.proposals.rights import ACTIONS, ProgramRights
+from woz_tui.gate.facts import Facts
+from woz_tui.gate.questions import PlayAction, SendVerb
+from woz_tui.gate.table import (
+    FeatureGate,
+    FeatureRow,
+    Row,
+    locked_verb,
+    no_moment,
+    takes_hands_off,
+)
+from woz_tui.protocol.refusal import Refusal
+
+
+@dataclass(frozen=True, slots=True)
+class ApprovalFact:
+    """What programs may do by themselves, by their connection. `approved`: the one of which the
+    wizard lets something happen at this moment.
+    """
+
+    rights: Mapping[str, ProgramRights]
+    approved: str = ""
+
+
+def unapproved_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
+    """A verb that the program may only propose."""
+    if takes_hands_off(asked.verb, asked.args):
+        return None
+    return _unapproved(facts, asked.origin.console, asked.verb)
+
+
+def unapproved_action(facts: Facts, asked: PlayAction) -> Refusal | None:
+    """An action that the program may only propose."""
+    return _unapproved(facts, asked.origin.console, ACTIONS)
+
+
+def _unapproved(facts: Facts, console: str, what: str) -> Refusal | None:
+    fact = cast("ApprovalFact", facts.features["proposals"])
+    rights = fact.rights.get(console)
+    if rights is None or console == fact.approved or not rights.asks(what):
+        return None
+    return Refusal("approval", "this program only proposes: the wizard has not approved it")
+
+
+GATE = FeatureGate(
+    rows=(
+        FeatureRow(Row("approval", (SendVerb,), unapproved_verb, host=True), before=locked_verb),
+        FeatureRow(Row("approval", (PlayAction,), unapproved_action, host=True), before=no_moment),
+    ),
+)

@@ -1,0 +1,78 @@
+"""Which proposals are offered, and how each set ended."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import ClassVar
+
+from msgspec.structs import replace
+
+from woz_tui.features.proposals.kinds import (
+    SuggestGone,
+    SuggestOffered,
+    SuggestRanked,
+    SuggestSettings,
+    SuggestTaken,
+)
+from woz_tui.protocol import messages as m
+from woz_tui.timeline.episodes import Episode
+from woz_tui.timeline.feature_history import FeatureHistory, HistoryCase
+from woz_tui.timeline.session_state import SessionState, moment
+
+
+class SuggestionEpisode(Episode, frozen=True, kw_only=True):
+    """A set from its offer to its end, which is `taken` or `gone`."""
+
+    kind = "suggestion"
+    offered: SuggestOffered
+    taken: SuggestTaken | None = None
+    gone: SuggestGone | None = None
+
+    @property
+    def label(self) -> str:
+        """Whose it is."""
+        return self.offered.who or self.offered.source
+
+    @property
+    def source(self) -> str:
+        """Who proposes."""
+        return self.offered.source
+
+
+class ProposalHistory(FeatureHistory):
+    """The sets that are offered, by their ids, and what holds of proposals."""
+
+    deeds = (SuggestOffered, SuggestTaken)
+
+    def __init__(self) -> None:
+        self.settings: SuggestSettings | None = None
+        self.sets: dict[str, SuggestionEpisode] = {}
+
+    def _set(self, message: SuggestSettings, state: SessionState) -> Iterable[Episode]:
+        self.settings = message
+        return moment(message, state.t)
+
+    def _offer(self, message: SuggestOffered, state: SessionState) -> Iterable[Episode]:
+        offered = SuggestionEpisode(begin=state.t, seq=message.seq, offered=message)
+        self.sets[message.set] = offered
+        return (offered,)
+
+    def _end(self, message: SuggestTaken | SuggestGone, state: SessionState) -> Iterable[Episode]:
+        """One that is not open any more is a moment: each set ends once."""
+        before = self.sets.pop(message.set, None)
+        if before is None:
+            return moment(message, state.t)
+        if isinstance(message, SuggestTaken):
+            return (replace(before, end=state.t, outcome=message.how, taken=message),)
+        return (replace(before, end=state.t, outcome=message.how, gone=message),)
+
+    def _rank(self, message: SuggestRanked, state: SessionState) -> Iterable[Episode]:
+        return moment(message, state.t)
+
+    cases: ClassVar[Mapping[type[m.Message], HistoryCase]] = {
+        SuggestSettings: _set,
+        SuggestOffered: _offer,
+        SuggestRanked: _rank,
+        SuggestTaken: _end,
+        SuggestGone: _end,
+    }

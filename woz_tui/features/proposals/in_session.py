@@ -1,0 +1,402 @@
+"""Offers proposals, holds what programs only propose, and ends each set exactly once."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, ClassVar
+
+from msgspec.structs import replace
+
+from woz_tui.config.experiment import Experiment
+from woz_tui.features.phases.kinds import PhaseChanged
+from woz_tui.features.proposals.clean_text import LONGEST, MOST, cleaned, without_variables
+from woz_tui.features.proposals.gate import ApprovalFact
+from woz_tui.features.proposals.kinds import (
+    AskDismiss,
+    AskPropose,
+    AskTake,
+    ProposedItem,
+    SuggestGone,
+    SuggestOffered,
+    SuggestSettings,
+    SuggestTaken,
+)
+from woz_tui.features.proposals.rights import ACTIONS, ProgramRights
+from woz_tui.features.proposals.section import PROPOSALS, Proposals
+from woz_tui.gate.questions import RequestOrigin
+from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.action_messages import BY_PERSON
+from woz_tui.protocol.refusal import RequestError
+from woz_tui.session.session_features import Client, Decide, FeatureSession, SessionFeature
+from woz_tui.timeline.episodes import Episode, TrialEpisode
+
+#: In this time after a set came a key may still mean what stood there before, in microseconds.
+SETTLE_US = 300_000
+#: What a program that only proposes may ask for without anybody's approval: it moves nothing.
+ALWAYS = (
+    *(r.AskDescribe, r.AskPredict, r.AskMarker, r.AskNote, r.AskCancel, r.AskLetGo, r.AskStop),
+    *(r.AskPreflight, r.AskAbout, r.Beat, AskDismiss, AskPropose),
+)
+#: What is said to a program whose set ended so.
+_ENDS = {
+    "expired": ("nobody approved it within {within:g} s", "ask the wizard, or try another one"),
+    "stop": ("the stop was pressed", "the wizard releases it"),
+    "dismissed": ("the wizard declined it", ""),
+    "reloaded": ("the experiment file was read again", "ask again"),
+    "end": ("the session ends", ""),
+}
+
+
+@dataclass
+class _OpenSet:
+    """A set that is offered. `request` and `decide`: of a program that waits for its end."""
+
+    offered: SuggestOffered
+    console: str
+    since: int
+    timer: asyncio.TimerHandle | None = None
+    request: r.AskVerb | r.AskAction | None = None
+    decide: Decide | None = None
+
+    def item(self, name: str) -> ProposedItem:
+        """Raises `RequestError` if there is none of that id."""
+        for item in self.offered.items:
+            if item.id == name:
+                return item
+        raise RequestError(f"the proposal has no item {name!r}")
+
+
+class ProposalsInSession(SessionFeature):
+    """All sets of a session."""
+
+    requests = (AskTake, AskDismiss, AskPropose)
+
+    def __init__(self, session: FeatureSession) -> None:
+        super().__init__(session)
+        self._section = PROPOSALS.of(session.experiment)
+        self._open: dict[str, _OpenSet] = {}
+        self._count = 0
+        #: The connection of which something happens now because the wizard approved it.
+        self._approved = ""
+        #: Whether an item is being taken: what is played then is no other act.
+        self._taking = False
+
+    def begin(self) -> None:
+        if self._section is not None:
+            self._tell(self._section)
+
+    def adopt(self, experiment: Experiment) -> None:
+        self._end_all("reloaded")
+        self._section, before = PROPOSALS.of(experiment), self._section
+        if self._section != before:
+            self._tell(self._section)
+
+    def _tell(self, section: Proposals | None) -> None:
+        programs = section.proposing if section is not None else []
+        sources = ["program"] if section is not None else []
+        self.session.hub.publish(SuggestSettings(sources=sources, programs=programs))
+
+    def close(self) -> None:
+        self._end_all("end")
+
+    def lose(self, console: str) -> None:
+        for name, each in [*self._open.items()]:
+            if each.console == console:
+                self._go(name, "withdrawn")
+
+    def fact(self) -> ApprovalFact | None:
+        section = self._section
+        if section is None:
+            return None
+        rights = {
+            console: found
+            for console in self.session.state.consoles
+            if (found := self._rights(console)) is not None
+        }
+        return ApprovalFact(rights, self._approved)
+
+    def _rights(self, console: str) -> ProgramRights | None:
+        """Of a program that proposes something."""
+        attached = self.session.state.consoles.get(console)
+        if self._section is None or attached is None or attached.role != "program":
+            return None
+        found = self._section.programs.get(attached.name)
+        return found if found is not None and found.proposes else None
+
+    # -- what programs ask for ---------------------------------------------------------------------
+
+    def defer(self, request: r.Request, client: Client, decide: Decide) -> bool:
+        rights = self._rights(client.console)
+        if rights is None or isinstance(request, ALWAYS):
+            return False
+        match request:
+            case r.AskVerb(verb=verb) if not rights.asks(verb):
+                return False
+            case r.AskVerb(verb=verb, args=args):
+                item = ProposedItem("1", verb=verb, args={**args})
+                if isinstance(text := args.get("text"), str):
+                    item = replace(item, text=text)
+                self._hold(client, request, item, decide)
+            case r.AskAction() if not rights.asks(ACTIONS):
+                return False
+            case r.AskAction(action=action):
+                if self.session.experiment.action(action) is None:
+                    raise RequestError(f"there is no action {action!r}")
+                self._hold(client, request, ProposedItem("1", action=action), decide)
+            case _:
+                raise RequestError(
+                    "this program only proposes: it can ask for verbs and actions, nothing else"
+                )
+        return True
+
+    def _hold(
+        self, client: Client, request: r.AskVerb | r.AskAction, item: ProposedItem, decide: Decide
+    ) -> None:
+        """Until the wizard approves it. What stands there is what will be said."""
+        if self.session.state.stop is not None:
+            raise RequestError("the stop is pressed", "the wizard releases it")
+        if request.at:
+            raise RequestError("what has to be approved cannot be asked for a later moment")
+        if client.tells:
+            raise RequestError(
+                "the wizard, who does not know everything, cannot approve it",
+                "join with sees='wizard', as `woz mcp` does",
+            )
+        if any(each.console == client.console and each.decide for each in self._open.values()):
+            raise RequestError(
+                "what this program asked for before still waits for the wizard", "wait for that"
+            )
+        if cleaned(item.text) != item.text or len(item.text) > LONGEST:
+            raise RequestError(
+                f"a text that is to be approved has one line of {LONGEST} characters at the most,"
+                " and no characters that nobody can see"
+            )
+        assert self._section is not None
+        held = self._offer("program", client, [item], self._section.suggest.within, approval=True)
+        held.request, held.decide = request, decide
+
+    def withdraw(self, console: str, ref: int) -> None:
+        for name, each in [*self._open.items()]:
+            if each.console == console and each.request is not None and each.request.ref == ref:
+                self._go(name, "withdrawn")
+
+    # -- requests ----------------------------------------------------------------------------------
+
+    def carry_out(self, request: AskTake | AskDismiss | AskPropose, client: Client) -> str:
+        if isinstance(request, AskPropose):
+            self._propose(request, client)
+            return ""
+        if client.role != "wizard":
+            raise RequestError("only a wizard takes what is proposed")
+        if (found := self._open.get(request.set)) is None:
+            raise RequestError("this proposal has gone", "look at what is offered now")
+        if isinstance(request, AskDismiss):
+            self._go(request.set, "dismissed")
+            return ""
+        if client.stale:
+            raise RequestError(f"not taken ({client.stale})", "press it again")
+        if self.session.hub.now() - found.since < SETTLE_US:
+            raise RequestError("not taken: the proposal had only just come", "press it again")
+        return self._take(request, client, found)
+
+    def _propose(self, request: AskPropose, client: Client) -> None:
+        if client.role != "program" or self._section is None:
+            raise RequestError(
+                "programs propose, where the experiment file has suggest: or programs:"
+            )
+        items: list[ProposedItem] = []
+        for text in map(cleaned, request.texts):
+            if not text or len(text) > LONGEST:
+                raise RequestError(f"a proposed text has 1 to {LONGEST} characters")
+            items.append(ProposedItem(str(len(items) + 1), text=text))
+        for action in request.actions:
+            if self.session.experiment.action(action) is None:
+                raise RequestError(f"there is no action {action!r}")
+            items.append(ProposedItem(str(len(items) + 1), action=action))
+        if not 0 < len(items) <= MOST:
+            raise RequestError(f"a proposal has 1 to {MOST} items")
+        if self.session.state.stop is not None:
+            raise RequestError("the stop is pressed", "the wizard releases it")
+        for name, each in [*self._open.items()]:
+            if each.console == client.console and each.decide is None:
+                self._go(name, "superseded")
+        self._offer(
+            request.source, client, items, min(60.0, max(1.0, request.within)), cue=request.cue
+        )
+
+    def _offer(
+        self,
+        source: str,
+        client: Client,
+        items: list[ProposedItem],
+        within: float,
+        *,
+        approval: bool = False,
+        cue: str = "",
+    ) -> _OpenSet:
+        self._count += 1
+        now, attached = self.session.hub.now(), self.session.state.consoles.get(client.console)
+        offered = SuggestOffered(
+            set=f"s{self._count:05}",
+            source=source,
+            who=attached.name if attached is not None else "",
+            approval=approval,
+            items=items,
+            cue=cue,
+            until=now + round(within * 1e6),
+            tells=client.tells,
+        )
+        loop = asyncio.get_running_loop()
+        timer = loop.call_later(within, partial(self._go, offered.set, "expired"))
+        found = self._open[offered.set] = _OpenSet(offered, client.console, now, timer)
+        self.session.hub.publish(offered)
+        return found
+
+    # -- the end of a set --------------------------------------------------------------------------
+
+    def _take(self, request: AskTake, client: Client, found: _OpenSet) -> str:
+        item = found.item(request.item)
+        text = cleaned(request.text)
+        if text and not item.text:
+            raise RequestError("only a sentence can be changed")
+        edited = bool(text) and text != item.text
+        self._close(request.set)
+        self._taking = True
+        try:
+            run = self._carry_out(request, client, found, item, text if edited else item.text)
+        except RequestError:
+            self.session.hub.publish(SuggestGone(set=request.set, how="refused"))
+            raise
+        finally:
+            self._taking = False
+        self.session.hub.publish(
+            SuggestTaken(
+                set=request.set,
+                item=item.id,
+                how="edited" if edited else "key",
+                run=run,
+                after_us=self.session.hub.now() - found.since,
+                text=text if edited else "",
+                tells=(*found.offered.tells, *(client.tells if edited else ())),
+            )
+        )
+        return run
+
+    def _carry_out(
+        self, request: AskTake, client: Client, found: _OpenSet, item: ProposedItem, text: str
+    ) -> str:
+        origin = RequestOrigin("key", request.key, client.console)
+        if found.decide is not None:
+            return self._approve(found, text)
+        if item.action:
+            return self.session.play(item.action, origin)
+        return self.session.send("say", {"text": text}, "", origin, tells=found.offered.tells)
+
+    def _approve(self, found: _OpenSet, text: str) -> str:
+        """With exactly these arguments; what forbids it now forbids it."""
+        asked = found.request
+        assert asked is not None
+        assert found.decide is not None
+        asked = replace(asked, sent_us=0, age_us=0, stale=False)
+        if isinstance(asked, r.AskVerb):
+            args = {**asked.args, "text": text} if text else asked.args
+            asked = replace(
+                asked,
+                args={
+                    name: without_variables(value) if isinstance(value, str) else value
+                    for name, value in args.items()
+                },
+            )
+        self._approved = found.console
+        try:
+            reply = found.decide(asked)
+        finally:
+            self._approved = ""
+        if not reply.ok:
+            raise RequestError(reply.reason, reply.hint)
+        return reply.run
+
+    def _close(self, name: str) -> _OpenSet | None:
+        found = self._open.pop(name, None)
+        if found is not None and found.timer is not None:
+            found.timer.cancel()
+        return found
+
+    def _go(self, name: str, why: str) -> None:
+        """End a set of which nothing was taken, and tell a program that waits."""
+        if (found := self._close(name)) is None:
+            return
+        self.session.hub.publish(SuggestGone(set=name, how=why))
+        if found.decide is None or why == "withdrawn":
+            return
+        said = isinstance(found.request, r.AskVerb) and found.request.verb == "say"
+        reason, hint = _ENDS.get(why, (why, ""))
+        assert self._section is not None
+        reason = reason.format(within=self._section.suggest.within)
+        found.decide(RequestError(f"not {'said' if said else 'done'}: {reason}", hint))
+
+    def _end_all(self, why: str) -> None:
+        for name in [*self._open]:
+            self._go(name, why)
+
+    def _end_offers(self, why: str) -> None:
+        """All sets for which no program waits."""
+        for name, each in [*self._open.items()]:
+            if each.decide is None:
+                self._go(name, why)
+
+    # -- what happens ------------------------------------------------------------------------------
+
+    def _stopped(self, message: m.StopPressed) -> None:
+        if message.scope == "all":
+            self._end_all("stop")
+
+    def _acted(self, message: m.ActionRequested) -> None:
+        """A person played something: perhaps what was proposed, by its own key."""
+        if self._taking or message.source not in BY_PERSON:
+            return
+        for name, each in [*self._open.items()]:
+            if each.decide is not None:
+                continue
+            item = next((one for one in each.offered.items if one.action == message.action), None)
+            if item is None:
+                self._go(name, "other_act")
+                continue
+            self._close(name)
+            self.session.hub.publish(
+                SuggestTaken(
+                    set=name,
+                    item=item.id,
+                    how="own_key",
+                    run=message.run,
+                    after_us=self.session.hub.now() - each.since,
+                    console=message.console,
+                    tells=each.offered.tells,
+                )
+            )
+
+    def _sent(self, message: m.Command) -> None:
+        """A sentence that a person typed is another act."""
+        if not (self._taking or message.run) and message.source in BY_PERSON:
+            self._end_offers("other_act")
+
+    def _heard(self, message: m.SpeechText) -> None:
+        """What was proposed answers what was said before."""
+        if message.text and not message.own:
+            self._end_offers("superseded")
+
+    def _moved_on(self, message: Any) -> None:
+        self._end_offers("moved_on")
+
+    hears: ClassVar[Mapping[type[m.Message], Any]] = {
+        m.StopPressed: _stopped,
+        m.ActionRequested: _acted,
+        m.Command: _sent,
+        m.SpeechText: _heard,
+        PhaseChanged: _moved_on,
+    }
+    follows: ClassVar[Mapping[type[Episode], Any]] = {TrialEpisode: _moved_on}

@@ -1,0 +1,131 @@
+"""What is said of proposals in the log and on the socket."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
+from woz_tui.protocol.kinds import FeatureKinds
+from woz_tui.protocol.requests import Request
+
+
+class SuggestSettings(Message, frozen=True, kw_only=True, tag="suggest.settings"):
+    """From here on the wizard is offered what these `sources` propose (logs, model, program), and
+    these `programs` do nothing that the wizard does not approve. `after_us`: no sooner after the
+    visitor's speech.
+    """
+
+    sources: list[str] = msgspec.field(default_factory=list)
+    programs: list[str] = msgspec.field(default_factory=list)
+    after_us: int = 0
+
+
+class ProposedItem(msgspec.Struct, frozen=True, omit_defaults=True):
+    """One item of a set: an action by its name, a sentence, or a verb with its arguments, in which
+    nothing is filled in any more.
+    """
+
+    id: str
+    action: str = ""
+    text: str = ""
+    verb: str = ""
+    args: dict[str, Json] = {}
+
+
+class SuggestOffered(RestrictedMessage, frozen=True, kw_only=True, tag="suggest.offered"):
+    """The set `set` is offered. `source`: logs, model or program; `who`: the program's name.
+    `approval`: the program waits, and does nothing that is not taken. `cue`: driver and segment of
+    the visitor's words that it answers. It expires at `until` (0: not by itself).
+    """
+
+    kept_whole = True
+    set: str
+    source: str
+    who: str = ""
+    approval: bool = False
+    items: list[ProposedItem]
+    cue: str = ""
+    until: int = 0
+
+
+class SuggestRanked(Message, frozen=True, kw_only=True, tag="suggest.ranked"):
+    """Why the items of a set were chosen (`reasons`: script, order, words), and how likely each
+    is. Where something is kept from the wizard, nobody at a console gets it.
+    """
+
+    set: str
+    reasons: list[str]
+    scores: list[float]
+
+
+class SuggestTaken(RestrictedMessage, frozen=True, kw_only=True, tag="suggest.taken"):
+    """A set ended: the wizard took `item`. `how`: key; edited (`text` was said in its place);
+    own_key (the action was played by its own key). `run`: what came of it, an action's run or a
+    command. `after_us`: from the offer.
+    """
+
+    names_console = True
+    kept_whole = True
+    set: str
+    item: str
+    how: str
+    run: str = ""
+    after_us: int = 0
+    text: str = ""
+    console: str = ""
+
+
+class SuggestGone(Message, frozen=True, kw_only=True, tag="suggest.gone"):
+    """A set ended, and nothing of it was taken. `how`: other_act, superseded, expired, stop,
+    dismissed, refused (it was taken, and was not possible), withdrawn, reloaded, moved_on (another
+    trial or phase), end.
+    """
+
+    set: str
+    how: str
+
+
+class AskTake(Request, frozen=True, kw_only=True, tag="take"):
+    """Take an item of the set `set`. `text`: say this in place of its sentence. Refused if the set
+    has ended: what is asked for is what was seen.
+    """
+
+    aged = True
+    plays = True
+    set: str
+    item: str
+    text: str = ""
+    key: str = ""
+    age_us: int = 0
+    stale: bool = False
+
+
+class AskDismiss(Request, frozen=True, kw_only=True, tag="dismiss"):
+    """Take nothing of the set `set`."""
+
+    set: str
+
+
+class AskPropose(Request, frozen=True, kw_only=True, tag="propose"):
+    """Offer the wizard up to three sentences (`texts`) or actions by their names, for `within`
+    seconds. They stand in place of what this program proposed before. The reply's `data` has
+    `set`. `cue`: the driver and segment of the visitor's words that it answers. `source`: model,
+    where one wrote the sentences.
+    """
+
+    texts: list[str] = []
+    actions: list[str] = []
+    within: float = 10.0
+    source: Literal["program", "model"] = "program"
+    cue: str = ""
+
+
+MESSAGES = (SuggestSettings, SuggestOffered, SuggestRanked, SuggestTaken, SuggestGone)
+KINDS = FeatureKinds(
+    messages=MESSAGES,
+    requests=(AskTake, AskDismiss, AskPropose),
+    open=(SuggestSettings, SuggestGone),
+    unlisted=(SuggestRanked,),
+)

@@ -1,0 +1,148 @@
+"""The sections `suggest` and `programs`: what is proposed to the wizard.
+
+suggest: {logs: true}
+programs: {mcp: propose, greeter: {play: [gaze]}}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any
+
+from woz_tui.config.annotated_decoder import Invalid, read_value
+from woz_tui.config.experiment import Experiment
+from woz_tui.config.feature_section import FeatureSection, FileContents
+from woz_tui.config.problems import quoted
+from woz_tui.config.reload_changes import changed_entries, changed_settings
+from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.config.yaml_nodes import MappingNode
+from woz_tui.drivers.fields import Doc, OneOf, ReadApart, Seconds
+from woz_tui.features.proposals.rights import (
+    ACTIONS,
+    ONLY_PROPOSES,
+    PLAY,
+    PROPOSE,
+    ProgramRights,
+)
+from woz_tui.protocol.envelope import Json
+
+#: How `woz mcp` calls itself.
+MCP = "mcp"
+
+
+@dataclass(frozen=True, slots=True)
+class SuggestKeysOfFile:
+    """What is proposed to the wizard. A file without the section has none of it."""
+
+    within: Annotated[
+        float, Seconds(2, 60), Doc("a request of a program that only proposes waits so long")
+    ] = 10.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProposalKeys:
+    """The keys `suggest` and `programs`."""
+
+    suggest: Annotated[
+        SuggestKeysOfFile | None, Doc("what is proposed to the wizard, who may take it")
+    ] = None
+    programs: Annotated[
+        Any,
+        ReadApart("programs"),
+        Doc("programs by name: play, or propose, where the wizard has to approve what they do"),
+    ] = None
+
+
+@dataclass(frozen=True, slots=True)
+class Proposals:
+    """What a file says of proposals. `programs`: their rights by name."""
+
+    suggest: SuggestKeysOfFile = SuggestKeysOfFile()
+    programs: Mapping[str, ProgramRights] = field(default_factory=dict)
+
+    @property
+    def proposing(self) -> list[str]:
+        """Names of programs that propose something."""
+        return [name for name, rights in self.programs.items() if rights.proposes]
+
+
+class ProposalSection(FeatureSection[Proposals | None]):
+    """Both keys, or None where the file has neither."""
+
+    def read(
+        self, table: Mapping[str, Cursor], file: ProposalKeys, contents: FileContents
+    ) -> Proposals | None:
+        cursor = table.get("programs")
+        if cursor is None and "suggest" not in table:
+            return None
+        entries = cursor.table("a mapping of programs by name") if cursor is not None else None
+        programs = {
+            name: rights
+            for name, entry in (entries or {}).items()
+            if (rights := _rights(entry, contents)) is not None
+        }
+        suggest = file.suggest or SuggestKeysOfFile()
+        return Proposals(suggest, {MCP: ONLY_PROPOSES, **programs})
+
+    def changes(self, old: Proposals | None, new: Proposals | None) -> Iterable[str]:
+        if old is None or new is None:
+            return changed_settings("suggest", old, new)
+        return (
+            *changed_settings("suggest", old.suggest, new.suggest),
+            *changed_entries("program", old.programs, new.programs),
+        )
+
+    def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        section = self.of(experiment)
+        for name, rights in section.programs.items() if section is not None else ():
+            does = "plays without being asked"
+            if rights.plays is not None:
+                alone = f", but for {', '.join(rights.plays)}" if rights.plays else ""
+                does = f"waits until the wizard approves what it does{alone}"
+            yield f"program {name}", does
+
+    def as_json(self, experiment: Experiment) -> Mapping[str, Json]:
+        section = self.of(experiment)
+        if section is None:
+            return {}
+        return {"programs": {n: each.proposes for n, each in section.programs.items()}}
+
+    def schemas(self) -> Mapping[str, Any]:
+        names = {"type": "array", "items": {"type": "string"}}
+        return {
+            "programs": {
+                "type": "object",
+                "additionalProperties": {
+                    "anyOf": [
+                        {"enum": [PLAY, PROPOSE]},
+                        {
+                            "type": "object",
+                            "properties": {PLAY: names},
+                            "additionalProperties": False,
+                            "description": "verbs (and `actions`) that it plays by itself",
+                        },
+                    ]
+                },
+            }
+        }
+
+
+def _rights(cursor: Cursor, contents: FileContents) -> ProgramRights | None:
+    if not isinstance(cursor.node, MappingNode):
+        word = read_value(cursor, str, (OneOf((PLAY, PROPOSE)),))
+        return None if isinstance(word, Invalid) else ProgramRights(None if word == PLAY else ())
+    table = cursor.fields((PLAY,), "a program has", "play, propose, or {play: [gaze]}") or {}
+    listed = table.get(PLAY)
+    named = read_value(listed, tuple[str, ...]) if listed is not None else ()
+    if isinstance(named, Invalid):
+        return None
+    known = [ACTIONS, *dict.fromkeys(verb.name for verb in contents.verbs)]
+    for name in named:
+        if name not in known and contents.complete and listed is not None:
+            near = listed.report.hint(name, known, or_list="there are")
+            listed.error(f"no driver offers {quoted(name)}{near}")
+    return ProgramRights(named)
+
+
+PROPOSALS = ProposalSection(ProposalKeys, None)

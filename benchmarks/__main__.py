@@ -46,6 +46,7 @@ TABLES: dict[str, tuple[str, ...]] = {
     "pepper_latency": ("idle: woz", "polling: woz"),
     "log_append": ("write + fdatasync", "worst lag of the recorder"),
     "log_reading": ("LogIndex.open", "random seeks (ms)", "messages, without samples"),
+    "suggestions": ("script alone", "nothing heard", "calibration error", "50 logs"),
     "finding": ("letter", "page", "phase", "finder", "words"),
     "robot_latency": (
         "pepper: bare client",

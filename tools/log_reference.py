@@ -13,7 +13,7 @@ from woz_tui.protocol.messages import Message
 
 #: Unit (empty: none) and meaning of every field, by name: one name means one thing everywhere.
 FIELDS: dict[str, tuple[str, str]] = {
-    "after_us": ("µs", "from the offer to its end; of settings: a cue is answered no sooner"),
+    "after_us": ("µs", "from the offer to its end; of settings: no sooner after speech"),
     "approval": ("", "the program does nothing that is not taken; absent: it only offers"),
     "programs": ("", "names of programs that only propose; absent: none"),
     "reasons": ("", "why each item was chosen, in their order"),

@@ -110,3 +110,17 @@ async def test_a_session_without_proposals_has_no_line_of_them() -> None:
         assert "nothing is proposed" not in pilot.drawn()
         await pilot.press("f6")
         assert "Nothing is proposed there" in pilot.drawn()
+
+
+@SIZES
+async def test_likely_actions_stand_there_with_their_own_keys(size: tuple[int, int]) -> None:
+    async with piloted_console(size=size) as pilot:
+        likely = SuggestOffered(set="s1", source="logs", items=[ProposedItem("1", action="Hello")])
+        on = SuggestSettings(sources=["logs", "program"], programs=["mcp"])
+        await told(pilot, on, likely, offered(2, "It is a whale."))
+        (row,) = [line for line in pilot.drawn().splitlines() if "likely" in line]
+        assert row.split()[1:] == ["h", "Hello"]
+        await pilot.press("f6")
+        asked = pilot.feed.last(AskTake)
+        assert isinstance(asked, AskTake)
+        assert asked.set == "s2", "they have no place of their own"

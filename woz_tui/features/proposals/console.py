@@ -31,14 +31,35 @@ def _lines(state: ConsoleState, height: int) -> int:
     settings = state.session.history(ProposalHistory).settings
     if settings is None or not settings.sources or state.replay is not None:
         return 0
-    return PLACES if height >= TALL else PLACES - 1
+    return _places(state, height >= TALL) + ("logs" in settings.sources)
+
+
+def _places(state: ConsoleState, tall: bool) -> int:
+    """Rows for what programs propose; on a low screen one, where nothing but likely actions and
+    perhaps an assistant is to be expected.
+    """
+    settings = state.session.history(ProposalHistory).settings
+    assert settings is not None
+    return PLACES if tall else 1 if "logs" in settings.sources else PLACES - 1
 
 
 def _rows(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
-    return [
-        _row(state, frame, place, shown)
-        for place, shown in enumerate(places_of(state)[: frame.height])
-    ]
+    settings = state.session.history(ProposalHistory).settings
+    logs = settings is not None and "logs" in settings.sources
+    places = places_of(state)[: frame.height - logs]
+    likely = [_likely(state, frame)] if logs else []
+    return [*likely, *(_row(state, frame, place, shown) for place, shown in enumerate(places))]
+
+
+def _likely(state: ConsoleState, frame: PaintFrame) -> Row:
+    """Likely actions with their own keys: what is learnt there stays true tomorrow."""
+    sets = state.session.history(ProposalHistory).sets.values()
+    items = next((each.offered.items for each in sets if each.offered.source == "logs"), [])
+    row: Row = ((" likely ", "title"),)
+    for item in items:
+        cap = state.keys.get(item.action, "") or frame.glyphs.dash
+        row += ((f" {cap} ", "key"), (f" {clean(state.label(item.action))}  ", "strong"))
+    return cut(row, frame.width, frame.glyphs.ellipsis)
 
 
 def _row(state: ConsoleState, frame: PaintFrame, place: int, shown: ShownItem | None) -> Row:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar
@@ -21,10 +21,13 @@ from woz_tui.features.proposals.kinds import (
     ProposedItem,
     SuggestGone,
     SuggestOffered,
+    SuggestRanked,
     SuggestSettings,
     SuggestTaken,
 )
-from woz_tui.features.proposals.rights import ACTIONS, ProgramRights
+from woz_tui.features.proposals.likely_acts import LikelyActs
+from woz_tui.features.proposals.ranker import Ranked
+from woz_tui.features.proposals.rights import ACTIONS, HANDS, ProgramRights
 from woz_tui.features.proposals.section import PROPOSALS, Proposals
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
@@ -82,25 +85,36 @@ class ProposalsInSession(SessionFeature):
         self._count = 0
         #: The connection of which something happens now because the wizard approved it.
         self._approved = ""
+        self._likely = LikelyActs(session, self._offer_likely)
         #: Whether an item is being taken: what is played then is no other act.
         self._taking = False
 
     def begin(self) -> None:
         if self._section is not None:
             self._tell(self._section)
+            self._likely.begin(self._section.suggest)
 
     def adopt(self, experiment: Experiment) -> None:
         self._end_all("reloaded")
         self._section, before = PROPOSALS.of(experiment), self._section
         if self._section != before:
             self._tell(self._section)
+        if self._section is not None:
+            self._likely.begin(self._section.suggest)
 
     def _tell(self, section: Proposals | None) -> None:
         programs = section.proposing if section is not None else []
-        sources = ["program"] if section is not None else []
-        self.session.hub.publish(SuggestSettings(sources=sources, programs=programs))
+        sources: list[str] = []
+        after = 0.0
+        if section is not None:
+            sources = [*(["logs"] if section.suggest.logs else []), "program"]
+            after = section.suggest.after
+        self.session.hub.publish(
+            SuggestSettings(sources=sources, programs=programs, after_us=round(after * 1e6))
+        )
 
     def close(self) -> None:
+        self._likely.close()
         self._end_all("end")
 
     def lose(self, console: str) -> None:
@@ -256,6 +270,30 @@ class ProposalsInSession(SessionFeature):
         self.session.hub.publish(offered)
         return found
 
+    def _offer_likely(self, ranked: Sequence[Ranked], cue: str) -> None:
+        """What earlier sessions make likely, in place of what they made likely before."""
+        if self.session.ended or self.session.state.stop is not None:
+            return
+        for name, each in [*self._open.items()]:
+            if each.offered.source == "logs":
+                self._go(name, "superseded")
+        self._count += 1
+        offered = SuggestOffered(
+            set=f"s{self._count:05}",
+            source="logs",
+            items=[ProposedItem(str(i), action=one.action) for i, one in enumerate(ranked, 1)],
+            cue=cue,
+        )
+        self._open[offered.set] = _OpenSet(offered, "", self.session.hub.now())
+        self.session.hub.publish(offered)
+        self.session.hub.publish(
+            SuggestRanked(
+                set=offered.set,
+                reasons=[one.reason for one in ranked],
+                scores=[round(one.share, 3) for one in ranked],
+            )
+        )
+
     # -- the end of a set --------------------------------------------------------------------------
 
     def _take(self, request: AskTake, client: Client, found: _OpenSet) -> str:
@@ -357,7 +395,9 @@ class ProposalsInSession(SessionFeature):
 
     def _acted(self, message: m.ActionRequested) -> None:
         """A person played something: perhaps what was proposed, by its own key."""
-        if self._taking or message.source not in BY_PERSON:
+        if message.source in HANDS:
+            self._likely.act(message)
+        if self._taking or message.source not in HANDS:
             return
         for name, each in [*self._open.items()]:
             if each.decide is not None:
@@ -388,8 +428,14 @@ class ProposalsInSession(SessionFeature):
         """What was proposed answers what was said before."""
         if message.text and not message.own:
             self._end_offers("superseded")
+            self._likely.hear(message)
+
+    def _mistaken(self, message: m.Mistake) -> None:
+        self._likely.forget(message.run)
 
     def _moved_on(self, message: Any) -> None:
+        if isinstance(message, TrialEpisode) and message.end is None:
+            self._likely.begin_anew()
         self._end_offers("moved_on")
 
     hears: ClassVar[Mapping[type[m.Message], Any]] = {
@@ -397,6 +443,7 @@ class ProposalsInSession(SessionFeature):
         m.ActionRequested: _acted,
         m.Command: _sent,
         m.SpeechText: _heard,
+        m.Mistake: _mistaken,
         PhaseChanged: _moved_on,
     }
     follows: ClassVar[Mapping[type[Episode], Any]] = {TrialEpisode: _moved_on}

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
+from woz_tui.protocol.action_messages import BY_PERSON
+
 #: What stands for actions among the verbs.
 ACTIONS = "actions"
 #: What the file says of all that a program does.
 PLAY, PROPOSE = "play", "propose"
+#: Sources of what a wizard wants: hands, and the script.
+HANDS = BY_PERSON | {"script"}
 #: Moves nothing.
 _RECORDS = frozenset({"mark", "note"})
 

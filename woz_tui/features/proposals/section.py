@@ -35,6 +35,12 @@ MCP = "mcp"
 class SuggestKeysOfFile:
     """What is proposed to the wizard. A file without the section has none of it."""
 
+    logs: Annotated[
+        bool, Doc("actions that earlier sessions make likely are named with their own keys")
+    ] = False
+    after: Annotated[
+        float, Seconds(0, 10), Doc("nothing is proposed sooner after the visitor has spoken")
+    ] = 1.0
     within: Annotated[
         float, Seconds(2, 60), Doc("a request of a program that only proposes waits so long")
     ] = 10.0
@@ -95,6 +101,8 @@ class ProposalSection(FeatureSection[Proposals | None]):
 
     def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         section = self.of(experiment)
+        if section is not None and section.suggest.logs:
+            yield "suggest", "names likely actions, learnt from earlier sessions of this title"
         for name, rights in section.programs.items() if section is not None else ():
             does = "plays without being asked"
             if rights.plays is not None:

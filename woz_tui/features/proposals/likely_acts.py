@@ -1,0 +1,163 @@
+"""What a wizard is likely to play next, as earlier sessions and this one tell."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Mapping, Sequence
+
+from woz_tui.config.experiment import Action
+from woz_tui.features.proposals.ranker import Moment, Ranked, Ranker, words_of
+from woz_tui.features.proposals.section import SuggestKeysOfFile
+from woz_tui.features.scripts.history import ScriptHistory
+from woz_tui.features.scripts.section import SCRIPT
+from woz_tui.protocol import messages as m
+from woz_tui.session.session_features import FeatureSession
+from woz_tui.system.tasks import TaskSet
+
+log = logging.getLogger(__name__)
+
+#: Actions that are offered, if each is at least so likely.
+SHOWN, LEAST = 3, 0.05
+
+
+class LikelyActs:
+    """Offers likely actions behind each act, and some time after the visitor has spoken.
+
+    Args:
+        session: What goes on.
+        offer: Called with the likeliest actions, and the words that they answer.
+    """
+
+    def __init__(
+        self, session: FeatureSession, offer: Callable[[Sequence[Ranked], str], None]
+    ) -> None:
+        self._session, self._offer = session, offer
+        self._ranker: Ranker | None = None
+        self._settings = SuggestKeysOfFile()
+        self._acts: dict[str, str] = {}
+        self._heard: list[int] | None = None
+        self._cue = ""
+        self._timer: asyncio.TimerHandle | None = None
+        self._tasks = TaskSet("earlier sessions")
+
+    def begin(self, settings: SuggestKeysOfFile) -> None:
+        """The file says so from now on: read the earlier sessions in a thread."""
+        self._settings, self._ranker = settings, None
+        if settings.logs:
+            self._tasks.start(self._learn())
+
+    def close(self) -> None:
+        """Offer nothing more."""
+        self._wait(None)
+        self._settings = SuggestKeysOfFile()
+
+    async def _learn(self) -> None:
+        from woz_tui.features.proposals import earlier_acts  # noqa: PLC0415 - only where it is used
+
+        session = self._session
+        scripts = SCRIPT.all_of(session.experiment)
+        about = {action.name: _about(action) for action in session.experiment.actions}
+        folders, title = session.logs, session.experiment.title
+        file = session.experiment.path.name
+
+        def learnt() -> Ranker:
+            ranker = Ranker(about, scripts)
+            earlier = earlier_acts.earlier_acts(folders, title, file)
+            for acts in earlier.sessions:
+                ranker.learn(acts)
+            ranker.calibrate(earlier.sessions)
+            return ranker
+
+        try:
+            self._ranker = await asyncio.to_thread(learnt)
+        except Exception:
+            log.exception("earlier sessions were not read")
+            return
+        self.propose()
+
+    # -- what happens ----------------------------------------------------------------------------
+
+    def act(self, message: m.ActionRequested) -> None:
+        """A wizard played something."""
+        if self._ranker is None:
+            return
+        self._acts[message.run] = message.action
+        self._heard, self._cue = None, ""
+        self._wait(0)
+
+    def forget(self, run: str) -> None:
+        """It was a mistake."""
+        if self._acts.pop(run, None) is not None:
+            self._wait(0)
+
+    def hear(self, message: m.SpeechText) -> None:
+        """The visitor said something. Where the wizard must not read it, it counts for nothing."""
+        perception = self._session.state.study.settings.perception
+        if self._ranker is None or "transcript" in (*perception.hide, *perception.blur):
+            return
+        self._heard = [*(self._heard or ()), *words_of(message.text)]
+        self._cue = f"{message.driver}/{message.segment}"
+        self._wait(self._settings.after)
+
+    def begin_anew(self) -> None:
+        """A trial begins."""
+        self._acts.clear()
+        self._heard, self._cue = None, ""
+        self._wait(0)
+
+    def _wait(self, seconds: float | None) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = None
+        if seconds is not None and self._ranker is not None:
+            self._timer = asyncio.get_running_loop().call_later(seconds, self.propose)
+
+    def propose(self) -> None:
+        """Offer what is likely now, if anything is."""
+        self._timer = None
+        session = self._session
+        if self._ranker is None or session.ended or session.state.study.between_trials:
+            return
+        allowed = {
+            action.name
+            for panel in session.experiment.panels
+            if not session.locked.get(panel.title, False)
+            for action in panel.actions
+            if not action.locked
+        }
+        ranked = self._ranker.rank(self._moment(), allowed)[:SHOWN]
+        likely = [one for one in ranked if one.share >= LEAST]
+        if likely:
+            self._offer(likely, self._cue)
+
+    def _moment(self) -> Moment:
+        session = self._session
+        state = session.state
+        phase = state.study.stage.label if state.study.stage is not None else ""
+        scripts: Mapping[str, Sequence[str]] = SCRIPT.all_of(session.experiment)
+        name = phase if phase in scripts else ""
+        moved = state.history(ScriptHistory).moved.get(name)
+        return Moment(
+            before=[*self._acts.values()][-2:],
+            phase=phase,
+            heard=None if self._heard is None else tuple(self._heard),
+            played=frozenset(self._acts.values()),
+            script=scripts.get(name, ()),
+            position=moved.position if moved is not None else 0,
+        )
+
+
+def _about(action: Action) -> list[str]:
+    """What an action is about: its label and all that it may say, in whatever condition."""
+    said = [
+        text
+        for call in action.calls
+        if call.verb == "say"
+        for text in (
+            *call.args.values(),
+            *(x for each in call.choices.values() for x in each.every),
+        )
+        if isinstance(text, str)
+    ]
+    return [action.label, *said]

@@ -21,4 +21,5 @@ FEATURES: tuple[str, ...] = (
     "woz_tui.features.page:Page",
     "woz_tui.features.bundle:Bundle",
     "woz_tui.features.proposals:Proposals",
+    "woz_tui.features.move_editor:MoveEditor",
 )

@@ -50,7 +50,7 @@ function _shtab_woz_using
   test "$_shtab_woz_cmdpath" = "$argv"
 end
 
-set -g _shtab_woz_commands run demo train attach page host new check robots convert design visitors 'visitors list' 'visitors show' 'visitors add' 'visitors rename' 'visitors profile' 'visitors forget' engagement schema say voices render record-move hands midi 'midi learn' 'midi show' listen talk bml bridge mcp lsl access 'access new' 'access list' 'access revoke' drivers replay coding compare report export bundle participants methods doctor reset completion
+set -g _shtab_woz_commands run demo train attach page host new check robots convert design visitors 'visitors list' 'visitors show' 'visitors add' 'visitors rename' 'visitors profile' 'visitors forget' engagement schema say voices render record-move edit-move hands midi 'midi learn' 'midi show' listen talk bml bridge mcp lsl access 'access new' 'access list' 'access revoke' drivers replay coding compare report export bundle participants methods doctor reset completion
 set -g _shtab_woz_opts_with_value --about --access --address --age-group --as --at --bin --body --by --certificate --code --coder --coders --condition --conditions --copy --count --count-in --csv --cue-state --days --device --drop --experiment --feedback-port --figures --file --filter --format --from --html --inputs --key --keyboard --keymap --label --language --layer --layout --like --listen --login --loud --max-idle --media --mute --name --offset --on --out --output --participant --participants --passcode-file --pictures --pitch --profile --public --questionnaire --rate --recordings --request --rerun --rerun-wait --robot --samples --seconds --seed --serve --session --sessions --set --share --signs --social-distance --speed --spill --spreadsheet --stale --start-up --stomp --stream --study --template --terminal --theme --threshold --tier --to --told --topics --train-count --turns --unmute --virtual-host --voice --volume --why --window --with --wizard --woz -o
 
 complete -c woz -e
@@ -309,6 +309,11 @@ complete -c woz -n '_shtab_woz_using record-move' -l share -x -d 'weight of LAYE
 complete -c woz -n '_shtab_woz_using record-move' -l drop -x -d 'remove LAYER'
 complete -c woz -n '_shtab_woz_using record-move' -l no-take -d 'only change layers'
 complete -c woz -n '_shtab_woz_using record-move; and test $_shtab_woz_npos -eq 0' -ka "(__fish_complete_path (commandline -ct))" -d 'move file; it is created if it does not exist'
+complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a edit-move -d 'edit the frames of a move on a time line, and see and play them without a robot'
+complete -c woz -n '_shtab_woz_using edit-move' -s h -l help -d 'show this help message and exit'
+complete -c woz -n '_shtab_woz_using edit-move' -l robot -xka "(__fish_complete_path (commandline -ct))" -d 'robot or experiment file with the body'
+complete -c woz -n '_shtab_woz_using edit-move' -l body -x -d 'driver, if there are several bodies'
+complete -c woz -n '_shtab_woz_using edit-move; and test $_shtab_woz_npos -eq 0' -ka "(__fish_complete_path (commandline -ct))" -d 'move file; it is made if it does not exist'
 complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a hands -d 'play with a gamepad or a Stream Deck, also over ssh'
 complete -c woz -n '_shtab_woz_using hands' -s h -l help -d 'show this help message and exit'
 complete -c woz -n '_shtab_woz_using hands' -l access -xka "(__fish_complete_path (commandline -ct))" -d 'join a session on another machine with this access file (see `woz access`)'

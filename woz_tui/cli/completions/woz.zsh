@@ -24,6 +24,7 @@ _shtab_woz_commands() {
     design:'show the order of conditions: used so far, and next'
     doctor:'check this machine, its devices and this terminal for an experiment'
     drivers:'offer drivers of this computer to a session on another one'
+    edit-move:'edit the frames of a move on a time line, and see and play them without a robot'
     engagement:'Run the engagement model over recorded or made-up samples, or over a session'"'"'s log, and print what'
     export:'export sessions for other programs: tables, ELAN, BIDS, Praat, MCAP'
     hands:'play with a gamepad or a Stream Deck, also over ssh'
@@ -308,6 +309,16 @@ _shtab_woz_drivers_options=(
 
 # guard to ensure default positional specs are added only once per session
 _shtab_woz_drivers_defaults_added=0
+
+_shtab_woz_edit_move_options=(
+  "(- : *)"{-h,--help}"[show this help message and exit]"
+  "--robot[robot or experiment file with the body]:robot:_files"
+  "--body[driver, if there are several bodies]:body:"
+  ":move file\; it is made if it does not exist:_files"
+)
+
+# guard to ensure default positional specs are added only once per session
+_shtab_woz_edit_move_defaults_added=0
 
 _shtab_woz_engagement_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
@@ -825,6 +836,7 @@ _shtab_woz() {
         design) _arguments -C -s $_shtab_woz_design_options ;;
         doctor) _arguments -C -s $_shtab_woz_doctor_options ;;
         drivers) _arguments -C -s $_shtab_woz_drivers_options ;;
+        edit-move) _arguments -C -s $_shtab_woz_edit_move_options ;;
         engagement) _arguments -C -s $_shtab_woz_engagement_options ;;
         export) _arguments -C -s $_shtab_woz_export_options ;;
         hands) _arguments -C -s $_shtab_woz_hands_options ;;

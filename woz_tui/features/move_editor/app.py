@@ -1,0 +1,257 @@
+"""The editor's screen: keys to changes, and the move played along its time line."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+
+from textual import events
+from textual.app import App, ComposeResult
+from textual.driver import Driver
+from textual.screen import Screen
+
+from woz_tui.console.drawing.cells import Cells
+from woz_tui.console.drawing.glyphs import UNICODE, PaintFrame
+from woz_tui.console.drawing.partial_update import PartialScreen
+from woz_tui.console.drawing.theme import SIXTEEN, THEMES, Appearance
+from woz_tui.console.state.driver_outlines import body_outlines, outlines_of
+from woz_tui.features.move_editor.drawing import EditorState, rows_of
+from woz_tui.features.move_editor.edited_move import EditedMove, EditError
+from woz_tui.features.move_editor.move_file import EditedFile
+from woz_tui.features.move_editor.preview import MovePreview
+from woz_tui.motion.move_writer import WriteError
+from woz_tui.motion.render_target import RenderTarget
+from woz_tui.system.clock import Clock, RealClock
+
+#: Steps of the playhead, of values; seconds between two pictures while it plays.
+_TICK, _FAR, _SMALL, _PICTURE_S = 0.02, 0.1, 0.1, 0.04
+
+
+class MoveEditorApp(App[None], inherit_bindings=False):
+    """One move of one file.
+
+    Args:
+        target: The body on which it is seen.
+        file: The move's file.
+        look: Signs and colours for this terminal.
+        clock: Plays by it.
+    """
+
+    CSS_PATH = Path(__file__).parents[2] / "console" / "drawing" / "woz.tcss"
+    ENABLE_COMMAND_PALETTE = False
+
+    def __init__(
+        self,
+        target: RenderTarget,
+        file: EditedFile,
+        *,
+        look: Appearance | None = None,
+        clock: Clock | None = None,
+        driver_class: type[Driver] | None = None,
+    ) -> None:
+        look = look or Appearance(UNICODE)
+        super().__init__(driver_class=driver_class, ansi_color=look.theme == SIXTEEN.name or None)
+        for theme in THEMES:
+            self.register_theme(theme)
+        self.look, self.theme = look, look.theme
+        self._clock = clock or RealClock()
+        self._target, self._file = target, file
+        self.edited = EditedMove(file.read())
+        self.preview = MovePreview(target, self.edited.move)
+        outlines = body_outlines(outlines_of({target.body: target.spec.offer.outline}))
+        self._outline = outlines[0] if outlines else None
+        self._news = "" if self.edited.move.length else "a new move: + and - set the row's value"
+        self._typed = ""
+        self._piece: tuple[float, float] | None = None
+        #: Where it began to play, and when; None: it does not.
+        self._played: tuple[float, int] | None = None
+        self._leaving = False
+        self._screen = Cells(id="editor")
+        self._keys: Mapping[str, Callable[[], object]] = self._bound()
+
+    def get_default_screen(self) -> Screen[object]:
+        """One that paints little."""
+        return PartialScreen(id="_default")
+
+    def compose(self) -> ComposeResult:
+        """One widget with all rows."""
+        yield self._screen
+
+    def on_mount(self) -> None:
+        """Show it, and play in pictures."""
+        self.set_interval(_PICTURE_S, self._go_on)
+        self._paint()
+
+    def on_cells_resized(self) -> None:
+        """Draw for the new size."""
+        self._paint()
+
+    # -- keys ----------------------------------------------------------------------------------
+
+    def _bound(self) -> dict[str, Callable[[], object]]:
+        edited = self.edited
+        return {
+            "left": partial(edited.next_frame, -1),
+            "right": partial(edited.next_frame, 1),
+            "up": partial(edited.next_row, -1),
+            "down": partial(edited.next_row, 1),
+            ",": partial(self._move_by, -_TICK),
+            ".": partial(self._move_by, _TICK),
+            "shift+left": partial(self._move_by, -_FAR),
+            "shift+right": partial(self._move_by, _FAR),
+            "home": partial(edited.go, 0.0),
+            "end": self._to_the_end,
+            "+": partial(edited.step, 1.0),
+            "-": partial(edited.step, -1.0),
+            "=": partial(edited.step, _SMALL),
+            "_": partial(edited.step, -_SMALL),
+            "i": edited.insert,
+            "x": edited.delete,
+            "d": edited.copy,
+            "<": partial(edited.shift, -_TICK),
+            ">": partial(edited.shift, _TICK),
+            "{": partial(edited.shift, -_TICK, ripple=True),
+            "}": partial(edited.shift, _TICK, ripple=True),
+            "e": edited.ease,
+            "c": edited.clear,
+            "m": edited.mute,
+            "a": edited.share,
+            "l": edited.add_layer,
+            "t": edited.trim,
+            "v": edited.mirror,
+            "u": edited.undo,
+            "ctrl+r": edited.redo,
+            "[": self._from_here,
+            "]": self._to_here,
+            "space": self._play,
+            "s": self._save,
+            "q": self._quit,
+        }
+
+    def on_key(self, event: events.Key) -> None:
+        """Do what the key says, and show it."""
+        event.stop()
+        event.prevent_default()
+        name = event.character if event.is_printable and event.character != " " else event.key
+        self._news = ""
+        leaving, self._leaving = self._leaving, False
+        if event.key == "escape":
+            self._stop()
+        elif not self._type(str(name)):
+            self._leaving = leaving and name in ("q", "s")
+            self._do(self._keys.get(str(name)))
+        self._shown_anew()
+
+    def _type(self, key: str) -> bool:
+        """Take a digit of an exact value, or what ends it; whether the key was one."""
+        if key.isdigit() or (key == "." and self._typed):
+            self._typed += key
+        elif not self._typed:
+            return False
+        elif key == "-":
+            self._typed = self._typed[1:] if self._typed[0] == "-" else f"-{self._typed}"
+        elif key == "backspace":
+            self._typed = self._typed[:-1].removesuffix("-")
+        elif key == "enter":
+            typed, self._typed = self._typed, ""
+            with contextlib.suppress(ValueError):
+                value = float(typed)
+                self._do(partial(self.edited.enter, value))
+        else:
+            self._typed = ""
+            return False
+        return True
+
+    def _do(self, call: Callable[[], object] | None) -> None:
+        if call is None:
+            return
+        try:
+            call()
+        except EditError as error:
+            self._news = str(error)
+
+    def _move_by(self, by: float) -> None:
+        self.edited.go(self.edited.place.at + by)
+
+    def _to_the_end(self) -> None:
+        self.edited.go(self.edited.move.length)
+
+    # -- playing -------------------------------------------------------------------------------
+
+    def _play(self) -> None:
+        if self._played is not None:
+            self._stop()
+        elif self.edited.move.length <= 0:
+            self._news = "there is nothing to play yet"
+        else:
+            begin, end = self._bounds()
+            at = self.edited.place.at
+            self._played = (at if begin <= at < end - 1e-6 else begin), self._clock.now_us()
+
+    def _stop(self) -> None:
+        """It plays no more, and nothing is being typed; the editor stays."""
+        self._played, self._typed = None, ""
+
+    def _bounds(self) -> tuple[float, float]:
+        return self._piece or (0.0, self.edited.move.length)
+
+    def _go_on(self) -> None:
+        """The next picture of what plays."""
+        if self._played is None:
+            return
+        began, since = self._played
+        at = began + (self._clock.now_us() - since) / 1_000_000 * self.preview.pace
+        begin, end = self._bounds()
+        if at >= end:
+            at = begin if self._piece is not None else end
+            self._played = (begin, self._clock.now_us()) if self._piece is not None else None
+        self.edited.go(at)
+        self._paint()
+
+    def _from_here(self) -> None:
+        self._set_piece(self.edited.place.at, self._bounds()[1])
+
+    def _to_here(self) -> None:
+        self._set_piece(self._bounds()[0], self.edited.place.at)
+
+    def _set_piece(self, begin: float, end: float) -> None:
+        whole = begin <= 0 and end >= self.edited.move.length
+        self._piece = None if whole or end - begin < _FAR else (begin, end)
+        if self._piece is None:
+            self._news = "all of it is played"
+
+    # -- the file ------------------------------------------------------------------------------
+
+    def _save(self) -> None:
+        try:
+            self._news = self._file.save(self.edited.move)
+        except WriteError as error:
+            self._news = f"not saved: {error.what}"
+            return
+        if self._file.written:
+            self.edited.saved()
+
+    def _quit(self) -> None:
+        if self.edited.unsaved and not self._leaving:
+            self._leaving = True
+            self._news = "not saved: s saves it, q once more leaves it as it was"
+            return
+        self.exit()
+
+    # -- what is shown -------------------------------------------------------------------------
+
+    def _shown_anew(self) -> None:
+        if self.preview.move != self.edited.move:
+            self.preview = MovePreview(self._target, self.edited.move)
+            self._file.keep(self.edited.move)
+        self._paint()
+
+    def _paint(self) -> None:
+        state = EditorState(
+            self._file.path.name, self._news, self._typed, self._piece, self._played is not None
+        )
+        width, height = self._screen.size
+        frame = PaintFrame(width or 80, height or 24, 0, self.look.glyphs)
+        self._screen.show(rows_of(self.edited, self.preview, self._outline, state, frame))

@@ -55,9 +55,10 @@ class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"
     """Somebody asked for an action by name: one press, from which one or more commands follow.
 
     `source` is key, script, palette, midi, gamepad, stream-deck, spacemouse, wii-remote, imu,
-    program, phase, engagement or replay; `console` names the connection it came over. `run` ties the action's commands and its
-    end together. `without`: verbs, and arguments such as `play.speed`, that this robot does not do
-    of it. `edited`: its sentence was typed anew before it was said, this once.
+    program, phase, engagement or replay; `console` names the connection it came over. `run` ties
+    the action's commands and its end together. `without`: verbs, and arguments such as
+    `play.speed`, that this robot does not do of it. `edited`: its sentence was typed anew before it
+    was said, this once.
     """
 
     run: str

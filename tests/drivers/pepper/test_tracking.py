@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -17,7 +17,7 @@ from tests.fakes.naoqi import stand_in
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import DriverError, RejectedError, Scope
-from woz_tui.protocol.messages import Command, DriverConnected, Message, Refused, Stopped
+from woz_tui.protocol.messages import Command, DriverConnected, Json, Message, Refused, Stopped
 
 pytestmark = [
     pytest.mark.asyncio(loop_scope="module"),
@@ -55,10 +55,10 @@ async def tracking(rig: RobotRig) -> str:
     return str(await rig.robot.get("tracking"))
 
 
-async def begun(rig: RobotRig, mode: str) -> asyncio.Task[object]:
+async def begun(rig: RobotRig, mode: str) -> asyncio.Task[Mapping[str, Json]]:
     """It tracks so, and is on its way."""
     await somebody_beside(rig)
-    job: asyncio.Task[object] = rig.begin("track", mode=mode, seconds=3000)  # type: ignore[assignment]
+    job = rig.begin("track", mode=mode, seconds=3000)
     await rig.robot.until(lambda: drives(rig))
     await rig.shows(tracking=mode)
     return job
@@ -87,7 +87,7 @@ async def test_the_stop_ends_each_mode_and_leaves_head_behind(
 @pytest.mark.parametrize("mode", DRIVING)
 async def test_what_is_cut_short_leaves_head_behind(either: RobotRig, mode: str) -> None:
     job = await begun(either, mode)
-    await either.cancel(job)  # type: ignore[arg-type]
+    await either.cancel(job)
     await either.shows(tracking="Head")
     assert await tracking(either) == "Head"
 
@@ -116,7 +116,7 @@ async def test_stopping_the_base_alone_would_end_nothing(either: RobotRig) -> No
     job = await begun(either, "BodyRotation")
     await either.do("naoqi", call="ALMotion.stopMove")
     await either.robot.until(lambda: drives(either))
-    await either.cancel(job)  # type: ignore[arg-type]
+    await either.cancel(job)
 
 
 async def test_a_mode_that_others_have_set_is_warned_of_and_ended_by_the_stop(
@@ -197,7 +197,7 @@ async def test_who_does_not_watch_begins_none_and_ends_it_by_going(tmp_path: Pat
         hub.publish(DriverConnected(driver="it"))
 
         def ask(number: str) -> None:
-            args = {"mode": "MoveContextually", "seconds": 3000}
+            args: dict[str, Json] = {"mode": "MoveContextually", "seconds": 3000}
             bus.submit(Command(command=number, driver="it", verb="track", args=args, source="key"))
 
         bus.unwatched = "nobody is here"

@@ -25,6 +25,7 @@ from woz_tui.features.slots.section import SLOTS, Slot
 from woz_tui.features.slots.slot_value import LONGEST, SlotValueError, checked_value, tidied
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
+from woz_tui.replay.rerun_plan import plan_of
 from woz_tui.session.action_texts import GivenValues, calls_in, utterances
 from woz_tui.session.variables import VariableValues, fill_variables
 from woz_tui.timeline.timeline import timeline_of
@@ -305,3 +306,15 @@ def test_what_would_be_said_is_foretold_only_when_it_is_known(tmp_path: Path) ->
         assert "command" not in reply, "no participant is missing"
 
     hosted(made(tmp_path), scenario)
+
+
+def test_a_re_run_says_the_same_words(tmp_path: Path) -> None:
+    async def scenario(host: ServedSession) -> None:
+        peer = await wizard(host)
+        for text in ("red", "{condition}"):
+            assert (await peer.ask("action", action="Ask", slots={"colour": text}))["ok"]
+
+    host = hosted(made(tmp_path), scenario)
+    plan = plan_of(host.recorder.path)
+    texts = [step.command.args["text"] for step in plan.steps if step.command.verb == "say"]
+    assert texts == ["Do you like red?", "Do you like {condition}?"]

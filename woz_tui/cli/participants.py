@@ -46,6 +46,18 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--by", default="", metavar="WHO", help="for the record: who does it (default: this user)"
     )
+    parser.add_argument(
+        "--due",
+        action="store_true",
+        help="list what is kept longer than --about says; nothing is deleted",
+    )
+    parser.add_argument(
+        "--about",
+        type=Path,
+        default=Path("about.yaml"),
+        metavar="FILE",
+        help="with --due: the file with retention: {media: 30 d, logs: 10 y} (default: about.yaml)",
+    )
     parser.add_argument("--yes", action="store_true", help="do not ask for confirmation")
     parser.add_argument("--json", action="store_true", help="one object, for programs")
 
@@ -77,12 +89,17 @@ def _run(arguments: Namespace) -> int:
     if arguments.withdraw and arguments.copy:
         _complain("copy first, look at the copy, then withdraw")
         return 2
+    if arguments.due and arguments.code is not None:
+        _complain("--due is about everybody: leave --code out")
+        return 2
     for folder in arguments.folders:
         if arguments.withdraw:
             if finish(folder, arguments.folders):
                 _complain(f"{folder}: a withdrawal that was interrupted is finished now")
         elif is_unfinished(folder):
             _complain(f"{folder}: a withdrawal was interrupted here: --withdraw finishes it")
+    if arguments.due:
+        return _due(arguments)
     if arguments.code is None:
         return _list(stored_files(arguments.folders), arguments)
     code = check_code("participant", arguments.code)
@@ -133,6 +150,45 @@ def _list(found: StoredFiles, arguments: Namespace) -> int:
     if withdrew and not arguments.json:
         told = ", ".join(f"{each.code} ({each.day})" for each in withdrew)
         print(f"Withdrew, and their codes are not given again: {told}")
+    for problem in found.problems:
+        _complain(problem)
+    return 1 if found.problems else 0
+
+
+def _due(arguments: Namespace) -> int:
+    from woz_tui.cli.report_layout import text_table  # noqa: PLC0415
+    from woz_tui.config.about_file import RetentionEntry, read_about  # noqa: PLC0415
+    from woz_tui.console.drawing.text_console import TextConsole  # noqa: PLC0415
+    from woz_tui.withdrawal.retention import overdue  # noqa: PLC0415
+    from woz_tui.withdrawal.stored_files import stored_sessions  # noqa: PLC0415
+
+    retention = read_about(arguments.about).retention
+    if retention == RetentionEntry():
+        _complain(
+            f"{arguments.about} does not say it: write retention: {{media: 30 d, logs: 10 y}}"
+        )
+        return 1
+    found = stored_sessions(arguments.folders)
+    over = [*overdue(found.sessions, retention, datetime.now(UTC).date())]
+    if arguments.json:
+        rows: list[Json] = [
+            {
+                "path": str(each.path),
+                "what": each.what,
+                "recorded": each.recorded.isoformat(),
+                "until": each.until.isoformat(),
+            }
+            for each in over
+        ]
+        print(json_text({"due": rows}, indent=2))
+    elif over:
+        table = text_table("until", "what", "path")
+        for each in over:
+            table.add_row(each.until.isoformat(), each.what, str(each.path))
+        TextConsole().print(table)
+        print("Nothing was deleted. Copies, exports and bundles are yours to look for.")
+    else:
+        print("Nothing is kept longer than it says.")
     for problem in found.problems:
         _complain(problem)
     return 1 if found.problems else 0

@@ -175,20 +175,26 @@ class StoredFiles:
         yield from self.others
 
 
+def stored_sessions(folders: Sequence[Path], wanted: CodeWords | None = None) -> StoredFiles:
+    """Every session below `folders`, with or without a code; files that belong to none are not
+    looked at.
+    """
+    found = StoredFiles()
+    logs, _ = all_logs_in([str(folder) for folder in folders])
+    for log in logs:
+        try:
+            found.sessions.append(_session(log, wanted or CodeWords(())))
+        except OSError as error:
+            found.problems.append(f"{log}: {error.strerror or error}")
+    return found
+
+
 def stored_files(folders: Sequence[Path], codes: Iterable[str] = ()) -> StoredFiles:
     """Everything below `folders` in which one of `codes` stands; without any, in which a code does
     that was set in one of the logs.
     """
-    found = StoredFiles()
-    logs, _ = all_logs_in([str(folder) for folder in folders])
     wanted = CodeWords(codes)
-    for log in logs:
-        try:
-            session = _session(log, wanted)
-        except OSError as error:
-            found.problems.append(f"{log}: {error.strerror or error}")
-            continue
-        found.sessions.append(session)
+    found = stored_sessions(folders, wanted)
     words = wanted if wanted.codes else CodeWords(_all_codes(found.sessions))
     _mark_reruns(found.sessions)
     claimed = set[Path]()

@@ -6,6 +6,7 @@ import csv
 import gzip
 import hashlib
 import json
+import random
 import re
 import subprocess
 import sys
@@ -21,6 +22,7 @@ from tests.features.bundle.deposited import ANSWERS, EXPERIMENT, INCOME, NAME, b
 from woz_tui.config.about_file import About, AuthorEntry, missing_in
 from woz_tui.export.log_sources import ExportError
 from woz_tui.features.bundle.bundle import BundleError
+from woz_tui.features.bundle.participant_codes import drawn_codes, recoded
 
 ABOUT = About(
     title="Warm or sober",
@@ -280,3 +282,29 @@ def test_logs_are_never_replaced(tmp_path: Path) -> None:
     with pytest.raises((BundleError, ExportError)):
         bundled(recordings, recordings)
     assert len([*recordings.glob("*.jsonl")]) == 6
+
+
+def test_a_code_within_a_label_stops_it_where_codes_are_drawn_anew(tmp_path: Path) -> None:
+    recordings = recorded(tmp_path / "r")
+    log = min(recordings.glob("*_P03_*.jsonl"))
+    log.write_bytes(log.read_bytes().replace(b'"action":"Hello"', b'"action":"Hello P01"'))
+    with pytest.raises(BundleError, match=r"_data\.csv: P01"):
+        bundled(recordings, tmp_path / "osf", recode=True)
+    bundled(recordings, tmp_path / "osf")  # the lab's codes stay
+
+
+def test_a_key_that_looks_like_a_code_stays_a_key() -> None:
+    line = {"participant": "7", "key": "7", "session": "S07", "order": ["P01"], "P01": {"a": "P01"}}
+    assert recoded(line, {"7": "BCDFG", "P01": "XYZXY"}) == {
+        "participant": "BCDFG", "key": "7", "session": "S0BCDFG", "order": ["XYZXY"],
+        "XYZXY": {"a": "XYZXY"},
+    }  # fmt: skip
+
+
+def test_codes_are_drawn_by_chance() -> None:
+    old = [f"P{number:02}" for number in range(1, 51)]
+    drawn = drawn_codes(old, random.Random(1))
+    assert drawn.keys() == set(old)
+    assert len(set(drawn.values())) == len(old)
+    assert [*drawn.values()] != sorted(drawn.values())
+    assert drawn != drawn_codes(old, random.Random(2))

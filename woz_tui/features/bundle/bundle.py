@@ -33,7 +33,7 @@ from woz_tui.features.bundle import (
 )
 from woz_tui.features.bundle.codebook import Variable, items_of
 from woz_tui.features.bundle.data_tables import DataTables, columns_of, variables_measured
-from woz_tui.features.bundle.participant_codes import drawn_codes
+from woz_tui.features.bundle.participant_codes import SHORTEST, drawn_codes
 from woz_tui.features.bundle.session_copies import (
     PlayedFile,
     PublishedLine,
@@ -48,6 +48,8 @@ from woz_tui.log.withdrawals import withdrawn_codes
 MANIFEST, TODO = "MANIFEST.sha256", "TODO.md"
 _LOGS = "data/logs"
 _MEDIA = "data/media"
+#: What is made of the researcher's files, which may name codes (`P01 ... P99`).
+_OWN = ("materials/", "documentation/preregistration.md", "documentation/deviations.md")
 
 
 class BundleError(Exception):
@@ -124,7 +126,12 @@ class _Bundle:
         self._about = options.about
         self._materials = materials
         self._codes = drawn_codes(materials.codes) if options.recode else {}
-        self._withheld = WithheldTexts()
+        public = options.public
+        self._withheld = WithheldTexts(
+            codes=frozenset(
+                code for code in self._codes if len(code) >= SHORTEST and code not in public
+            )
+        )
         self._items: list[Variable] = items_of(materials.questionnaires.values())
         title = materials.plan.title if materials.plan is not None else ""
         self._title = self._about.title or title or "Sessions with a wizard"
@@ -278,6 +285,7 @@ class _Bundle:
     def _refuse_withheld(self) -> None:
         known = [*self._materials.own_texts(), *self._options.public, *self._about_texts()]
         found = self._withheld.found_in(self._folder.path, known)
+        found += self._withheld.codes_in(self._folder.path, _OWN)
         if found:
             places = "\n".join(f"  {name}: {text}" for name, text in found[:10])
             raise BundleError(

@@ -11,6 +11,8 @@ from typing import Any
 #: No vowels, so that no word comes out, and nothing that looks like a digit.
 _LETTERS = "BCDFGHJKMNPQRSTVWXYZ"
 _LENGTH = 5
+#: A text that is a shorter code may be anything, such as a key; so only `participant` is one then.
+SHORTEST = 3
 
 
 def drawn_codes(old: Iterable[str], chance: random.Random | None = None) -> dict[str, str]:
@@ -45,19 +47,29 @@ def recoded(fields: Any, codes: Mapping[str, str]) -> Any:
     """The same line with the new codes, wherever a whole text is an old one; a session's own code
     may have it inside.
     """
+    return _recoded(fields, codes, {old: new for old, new in codes.items() if len(old) >= SHORTEST})
+
+
+def _recoded(fields: Any, codes: Mapping[str, str], anywhere: Mapping[str, str]) -> Any:
     match fields:
         case dict():
             return {
-                codes.get(name, name): _session(value, codes)
-                if name in ("session", "original_session") and isinstance(value, str)
-                else recoded(value, codes)
+                anywhere.get(name, name): _field(name, value, codes, anywhere)
                 for name, value in fields.items()
             }
         case list():
-            return [recoded(value, codes) for value in fields]
+            return [_recoded(value, codes, anywhere) for value in fields]
         case str():
-            return codes.get(fields, fields)
+            return anywhere.get(fields, fields)
     return fields
+
+
+def _field(name: str, value: Any, codes: Mapping[str, str], anywhere: Mapping[str, str]) -> Any:
+    if not isinstance(value, str):
+        return _recoded(value, codes, anywhere)
+    if name in ("session", "original_session"):
+        return _session(value, codes)
+    return (codes if name == "participant" else anywhere).get(value, value)
 
 
 def _session(session: str, codes: Mapping[str, str]) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import gzip
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -47,13 +47,26 @@ def withheld_in(line: Any, published: Any) -> Iterator[str]:
 
 @dataclass(slots=True)
 class WithheldTexts:
-    """All that was taken out of the logs of a study."""
+    """All that was taken out of the logs of a study; `codes` were drawn anew."""
 
     texts: set[str] = field(default_factory=set)
+    codes: frozenset[str] = frozenset()
 
     def add(self, line: Mapping[str, Any], published: Mapping[str, Any]) -> None:
         """What this line lost when it became `published`."""
         self.texts.update(withheld_in(line, published))
+
+    def codes_in(self, folder: Path, beside: Sequence[str]) -> list[tuple[str, str]]:
+        """The file and the code of each old one that stands in a file of `folder`, or in its name;
+        files whose names begin as those `beside` are the researcher's.
+        """
+        wanted = {normal(code): code for code in self.codes}
+        return [
+            (name, wanted[words])
+            for name, path in _files(folder)
+            if not name.startswith(tuple(beside))
+            for words in _standing(path, wanted)
+        ]
 
     def found_in(self, folder: Path, known: Iterable[str]) -> list[tuple[str, str]]:
         """The file and the text of each that stands in a file of `folder`, unless it stands in a
@@ -68,12 +81,16 @@ class WithheldTexts:
             and f" {words} " not in own
         }
         found = []
-        for path in sorted(folder.rglob("*")):
-            if path.is_file() and path.suffix not in _NO_WORDS:
-                name = path.relative_to(folder).as_posix()
-                found += [(name, wanted[words]) for words in _standing(path, wanted)]
+        for name, path in _files(folder):
+            found += [(name, wanted[words]) for words in _standing(path, wanted)]
         program = _joined(_words_of_the_program()) if found else ""
         return [each for each in found if f" {normal(each[1])} " not in program]
+
+
+def _files(folder: Path) -> Iterator[tuple[str, Path]]:
+    for path in sorted(folder.rglob("*")):
+        if path.is_file() and path.suffix not in _NO_WORDS:
+            yield path.relative_to(folder).as_posix(), path
 
 
 def _joined(texts: Iterable[str]) -> str:

@@ -217,6 +217,9 @@ def test_a_redacted_log_is_whole_and_says_what_it_is(tmp_path: Path) -> None:
     assert verify(copy).checkpoints == 1
     first = json.loads(copy.read_bytes().splitlines()[0])
     assert (first["redacted"], first["participant"]) == (True, "P07")
+    export_logs(log, "jsonl", tmp_path / "plain")
+    first = json.loads((tmp_path / "plain" / f"{STEM}.jsonl").read_bytes().splitlines()[0])
+    assert first.get("redacted", False) is False
 
 
 def test_visitors_with_a_name_lose_it() -> None:

@@ -36,7 +36,7 @@ class JsonlExporter(Exporter):
         actions = self._folder.binary(f"{session.name}.jsonl")
         samples = self._folder.binary(f"{session.name}.samples.jsonl")
         with actions, samples:
-            copy = LogCopy(actions, samples, self._shown)
+            copy = LogCopy(actions, samples, self._shown, redacted=self._options.redact)
             for line in source.everything(Damage()):
                 copy.add(line)
         return []
@@ -51,24 +51,26 @@ def _wordless(line: LogLine) -> bool:
 
 
 class LogCopy:
-    """A log being copied into two files. `change`: what takes words out of each line that may have
-    some; None: nothing is taken out.
+    """A log being copied into two files. `change`: what the copy has of each line that may have
+    words; `redacted`: the copy says that they were taken out.
     """
 
     def __init__(
         self,
         actions: BinaryIO,
         samples: BinaryIO,
-        change: Callable[[LogLine], LogLine] | None = None,
+        change: Callable[[LogLine], LogLine],
+        *,
+        redacted: bool,
     ) -> None:
         self._actions, self._samples = actions, samples
-        self._change = change
+        self._change, self._redacted = change, redacted
         self._sum = hashlib.sha256()
         self._lines = 0
 
     def add(self, line: LogLine) -> None:
         """The next line of the log."""
-        if self._change is not None and not _wordless(line):
+        if not _wordless(line):
             line = self._change(line)
         if line.sample:
             self._samples.write(line.raw + b"\n")
@@ -82,7 +84,7 @@ class LogCopy:
     def _anew(self, kind: str, fields: Mapping[str, Any]) -> dict[str, Any] | None:
         """The fields that differ in the copy; None: the line is copied as it is."""
         match kind:
-            case "session.start" if self._change is not None:
+            case "session.start" if self._redacted:
                 return {"redacted": True}
             case "checkpoint":
                 return {"sha256": self._sum.hexdigest(), "lines": self._lines}

@@ -139,7 +139,7 @@ class _Bundle:
         self._to_do: list[str] = []
 
     def write(self, sources: Sequence[LogSource]) -> BundleResult:
-        published = PublishedLine(self._materials, self._codes, self._withheld)
+        published = PublishedLine(self._codes, self._withheld)
         copies = copy_sessions(sources, self._folder, _LOGS, published)
         self._copy_media(copies)
         logs = [LogSource(files_of(copy, [])) for _, copy in copies]

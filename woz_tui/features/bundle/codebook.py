@@ -1,7 +1,8 @@
-"""What each variable means: one row for each item that the experiment file asks, and one for each
-column of the tables.
+"""What each variable means, by names that R, Python and SPSS take: one row for each item that the
+experiment file asks, and for each score and column of the tables.
 
-Items come from the file, not from what was answered: what nobody answered is there, too.
+What an item means, questionnaires say (`questionnaires.codebook`): it comes from the file, not from
+what was answered.
 """
 
 from __future__ import annotations
@@ -12,7 +13,11 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
+from woz_tui.features.questionnaires.codebook import Variable as AskedVariable
+from woz_tui.features.questionnaires.codebook import variables
+from woz_tui.features.questionnaires.items import NUMBERS
+from woz_tui.features.questionnaires.score_codebook import defined_scores
+from woz_tui.protocol.welcome import Questionnaire
 from woz_tui.system.text_cleaning import cell
 
 #: The table in which items are columns.
@@ -35,7 +40,8 @@ _WHENS = {
 @dataclass(frozen=True, slots=True)
 class Variable:
     """One variable. `low` and `high` are the ends of its scale, `labels` what its numbers mean;
-    `shift` is added to them where they are shown. `withheld`: why it is in no table.
+    `shift` is added to them where they are shown. `withheld`: why it is in no table. `of`: the item
+    of which it is.
     """
 
     table: str
@@ -55,6 +61,8 @@ class Variable:
     reversed: bool = False
     shift: int = 0
     withheld: str = ""
+    is_score: bool = False
+    of: AskedVariable | None = None
 
     @property
     def values(self) -> str:
@@ -68,53 +76,53 @@ class Variable:
 
 
 def items_of(questionnaires: Iterable[Questionnaire]) -> list[Variable]:
-    """A variable for each item. This is all that the bundle knows of items."""
+    """A variable for each item, each choice of several, and each score."""
     found: list[Variable] = []
     names: set[str] = set()
-    for each in questionnaires:
-        items = [item for item in each.items if item.kind != "page"]
-        for number, item in enumerate(items, 1):
-            found.append(_variable(each, item, number, _unique(f"{each.name}_{item.name}", names)))
+    for asked in questionnaires:
+        found += [_item(each, _unique(each.name, names)) for each in variables(asked)]
+        for score in defined_scores(asked):
+            found.append(
+                Variable(
+                    *(ANSWERS, _unique(score.name, names), score.in_words, "number"),
+                    questionnaire=asked.name,
+                    item=score.score.name,
+                    asked=_WHENS.get(asked.when, asked.when),
+                    is_score=True,
+                )
+            )
     return found
 
 
-def _variable(
-    questionnaire: Questionnaire, item: QuestionnaireItem, number: int, name: str
-) -> Variable:
-    in_numbers = item.asks in ("scale", "slider", "number", "choice")
-    ranged = item.asks in ("scale", "slider", "number")
-    points = item.asks in ("scale", "slider")
-    ends = zip((item.low, item.high), item.ends, strict=True) if points else ()
-    labels = {value: label for value, label in ends if label}
-    labels |= {each.value: each.text for each in (*item.labels, *item.choices) if each.text}
-    question = " ".join(filter(None, (item.stem, item.question)))
+def _item(of: AskedVariable, name: str) -> Variable:
+    asked, item = of.questionnaire, of.item
+    ranged = of.is_number and item.asks in NUMBERS
     return Variable(
         table=ANSWERS,
         name=name,
-        label=question or item.name,
-        type="integer" if in_numbers else "string",
-        question=question,
-        questionnaire=questionnaire.name,
+        label=of.question or item.name,
+        type="integer" if of.is_number else "string",
+        question=of.question,
+        questionnaire=asked.name,
         item=item.name,
-        number=number,
+        number=[each.name for each in asked.items].index(item.name) + 1,
         low=item.low if ranged else None,
         high=item.high if ranged else None,
-        labels=dict(sorted(labels.items())),
+        labels=dict(of.labels),
         unit=item.unit,
-        asked=_WHENS.get(questionnaire.when, questionnaire.when),
+        asked=_WHENS.get(asked.when, asked.when),
         missing="; ".join(filter(None, (item.does_not_apply, item.prefer_not))),
         reversed=item.reverse,
-        shift=item.shift if points else 0,
-        withheld=_why_withheld(item),
+        shift=item.shift if ranged else 0,
+        withheld=_why_withheld(of),
+        of=of,
     )
 
 
-def _why_withheld(item: QuestionnaireItem) -> str:
-    if item.private:
+def _why_withheld(of: AskedVariable) -> str:
+    if of.item.private:
         return "withheld: private"
-    if item.asks == "choices":
-        return "several answers: only in the logs"
-    return "withheld: people's own words" if item.asks in ("text", "month") else ""
+    return "" if of.is_number else "withheld: people's own words"
 
 
 def _unique(text: str, taken: set[str]) -> str:

@@ -20,12 +20,10 @@ from woz_tui.export.log_sources import LogSource
 from woz_tui.export.output_folder import OutputFolder
 from woz_tui.features.bundle.codebook import ANSWERS, Variable
 from woz_tui.features.questionnaires.figures import AnswerRow, asked_in
+from woz_tui.features.questionnaires.score_rows import ScoreRow
 from woz_tui.log.damage import Damage
 from woz_tui.system.text_cleaning import cell
 
-#: Tables of `woz export` that are not in a bundle: `answers` has items by names that every program
-#: takes.
-_LEFT_OUT = frozenset({"questionnaires_wide"})
 #: What tells rows of `answers` apart.
 _KEYS = (
     Variable(ANSWERS, "participant", "code of the participant, drawn for this bundle", "string"),
@@ -54,7 +52,7 @@ class DataTables:
     items: Sequence[Variable]
     samples: bool = False
     _tables: TableFiles = field(init=False)
-    _kept: dict[str, io.StringIO] = field(default_factory=dict)
+    _dictionary: io.StringIO = field(default_factory=io.StringIO)
     _answers: dict[tuple[str, str, str, int], dict[str, Cell]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -63,9 +61,9 @@ class DataTables:
 
     def _opened(self, name: str) -> TextIO:
         table = name.removesuffix(".csv")
-        if name == DICTIONARY or table in _LEFT_OUT:
-            stream = self._kept[table] = _Kept()
-            return stream
+        if name == DICTIONARY:
+            self._dictionary = _Kept()
+            return self._dictionary
         return self.folder.text(table_file(self.study, table))
 
     def add(self, session: ExportSession, source: LogSource) -> None:
@@ -77,22 +75,26 @@ class DataTables:
         self._add_answers(session.figures)
 
     def _add_answers(self, figures: SessionFigures) -> None:
-        columns = {(each.questionnaire, each.item): each for each in self.items}
+        """What counts, by the round of its questionnaire in this condition."""
+        found = asked_in(figures)
+        columns: dict[tuple[str, str], list[Variable]] = {}
+        for each in self.items:
+            columns.setdefault((each.questionnaire, each.item), []).append(each)
         rounds: dict[tuple[str, str, str], list[int]] = {}
-        for answer in asked_in(figures).answers:
-            item = columns.get((answer.questionnaire, answer.item))
-            if not answer.counted or item is None or item.withheld:
+        told: list[AnswerRow | ScoreRow] = [*found.answers, *found.missing, *found.scores]
+        for row in told:
+            if not row.counted:
                 continue
-            about = (answer.participant, answer.condition, answer.questionnaire)
-            known = rounds.setdefault(about, [])
-            if answer.round not in known:
-                known.append(answer.round)
-            row = self._row(figures, answer, known.index(answer.round) + 1)
-            row[item.name] = None if answer.skipped else rounded(answer.value)
-
-    def _row(self, figures: SessionFigures, answer: AnswerRow, number: int) -> dict[str, Cell]:
-        key = (answer.participant, figures.session, answer.condition, number)
-        return self._answers.setdefault(key, {})
+            known = rounds.setdefault((row.participant, row.condition, row.questionnaire), [])
+            if row.round not in known:
+                known.append(row.round)
+            number = known.index(row.round) + 1
+            key = (row.participant, figures.session, row.condition, number)
+            cells = self._answers.setdefault(key, {})
+            name = row.score if isinstance(row, ScoreRow) else row.item
+            for each in columns.get((row.questionnaire, name), ()):
+                if not each.withheld and each.is_score == isinstance(row, ScoreRow):
+                    cells[each.name] = _cell_of(each, row)
 
     def finish(self) -> Mapping[str, Any]:
         """Write what is left; returns the data package, whose paths are in the bundle."""
@@ -104,8 +106,8 @@ class DataTables:
             for key, row in sorted(self._answers.items()):
                 values = [*key, *(row.get(each.name) for each in columns)]
                 writer.writerow([cell(value) for value in values])
-        package: dict[str, Any] = json.loads(self._kept[DICTIONARY].getvalue())
-        resources = [each for each in package["resources"] if each["name"] not in _LEFT_OUT]
+        package: dict[str, Any] = json.loads(self._dictionary.getvalue())
+        resources = package["resources"]
         for each in resources:
             each["path"] = table_file(self.study, each["name"])
         resources.append(self._answers_resource(columns))
@@ -130,6 +132,12 @@ class DataTables:
     def close(self) -> None:
         """Close the files; also after an error."""
         self._tables.close()
+
+
+def _cell_of(each: Variable, row: AnswerRow | ScoreRow) -> Cell:
+    if isinstance(row, ScoreRow) or each.of is None:
+        return rounded(row.value)
+    return each.of.cell(row)
 
 
 class _Kept(io.StringIO):

@@ -11,9 +11,8 @@ from typing import Any
 import msgspec
 
 from woz_tui.export.jsonl import LogCopy
-from woz_tui.export.log_sources import LogSource, UniqueNames
+from woz_tui.export.log_sources import LogSource, UniqueNames, shown_line
 from woz_tui.export.output_folder import OutputFolder
-from woz_tui.export.redaction import PLACEHOLDER, redacted
 from woz_tui.features.bundle.participant_codes import codes_in, recoded
 from woz_tui.features.bundle.withheld_texts import WithheldTexts
 from woz_tui.log.damage import Damage
@@ -23,12 +22,6 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import Questionnaire
 
 _encoder = msgspec.json.Encoder()
-#: Fields in which a text stays if the experiment file has it: what was asked, not what was said.
-_ASKED: Mapping[str, tuple[str, ...]] = {
-    "questionnaire.started": ("title", "items"),
-    "questionnaire.answered": ("question",),
-    "session.plan": ("title", "settings"),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,24 +114,16 @@ def _texts(value: Any) -> Iterator[str]:
 
 
 class PublishedLine:
-    """Makes the published form of lines: without words, but with what was asked, and with new codes
-    where they are drawn anew. `withheld` collects what goes.
+    """Makes the published form of lines: redacted, without private answers, with the new `codes`
+    if there are any. `withheld` collects what goes.
     """
 
-    def __init__(
-        self, materials: StudyMaterials, codes: Mapping[str, str], withheld: WithheldTexts
-    ) -> None:
-        self._asked = materials.asked()
+    def __init__(self, codes: Mapping[str, str], withheld: WithheldTexts) -> None:
         self._codes = codes
         self._withheld = withheld
 
     def __call__(self, line: LogLine) -> LogLine:
-        fields = redacted(line.fields)
-        for name in _ASKED.get(line.kind, ()):
-            if name in fields:
-                fields[name] = self._with_asked(line.fields[name], fields[name])
-        if line.fields.get("private") is True:  # an answer that is in no export unasked
-            fields = {n: v for n, v in fields.items() if n not in ("value", "values")}
+        fields = dict(shown_line(line, redact=True).fields)
         robot = line.fields.get("robot")
         if line.kind == "session.start" and isinstance(robot, str):
             fields["robot"] = robot.replace("\\", "/").rpartition("/")[2]
@@ -153,23 +138,6 @@ class PublishedLine:
             message = None
         return LogLine(line.seq, line.t, "", line.kind, fields, raw, message)
 
-    def _with_asked(self, told: Any, published: Any) -> Any:
-        """What was `published` of `told`, with those texts in it that were asked."""
-        match told, published:
-            case dict(), dict():
-                return {
-                    name: self._with_asked(told[name], value) if name in told else value
-                    for name, value in published.items()
-                }
-            case list(), list() if len(told) == len(published):
-                return [
-                    self._with_asked(each, value)
-                    for each, value in zip(told, published, strict=True)
-                ]
-            case str(), str() if published == PLACEHOLDER and told in self._asked:
-                return told
-        return published
-
 
 def copy_sessions(
     sources: Iterable[LogSource], folder: OutputFolder, inside: str, published: PublishedLine
@@ -181,7 +149,7 @@ def copy_sessions(
         place = f"{inside}/{name}.jsonl"
         actions, samples = folder.binary(place), folder.binary(f"{inside}/{name}.samples.jsonl")
         with actions, samples:
-            copy = LogCopy(actions, samples, published)
+            copy = LogCopy(actions, samples, published, redacted=True)
             for line in source.everything(Damage()):
                 copy.add(line)
         copies.append((source, folder.path / place))

@@ -6,6 +6,8 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
+
 from tests.analysis.example_sessions import ExampleSession, figures_of, in_time, study
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.methods_section import by_hand, paragraphs
@@ -20,7 +22,12 @@ from woz_tui.features.questionnaires.kinds import (
 )
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
-from woz_tui.protocol.welcome import WelcomeSettings
+from woz_tui.protocol.welcome import (
+    Questionnaire,
+    QuestionnaireItem,
+    StudySettings,
+    WelcomeSettings,
+)
 
 
 def facts(*sessions: SessionFigures) -> StudyFacts:
@@ -243,8 +250,35 @@ def test_suspicion_is_what_the_named_item_says() -> None:
         sessions.append(session_figures(session.end(80)))
     told = paragraphs(facts(*sessions), About(suspicion="end.person"))
     [suspicion] = [each.sentences for each in told if each.head == "Suspicion"]
-    assert suspicion == (
-        'Whether somebody was suspected to control the robot was asked ("A person?", 1 = never to'
-        " 5 = always); the answers were 2 twice and 4 once.",
+    told_so = (
+        'Whether a wizard was suspected was asked ("A person?"; 1 = never and 5 = always); the'
+        " answers were 2 twice and 4 once."
     )
+    assert suspicion == (told_so,)
     assert "Suspicion" not in [each.head for each in paragraphs(facts(*sessions))]
+    other = paragraphs(facts(*sessions), About(suspicion="end.other"))
+    assert "Whether a wizard was suspected was not answered (end.other)." in [
+        sentence for each in other for sentence in each.sentences
+    ]
+
+
+def test_a_questionnaire_can_say_itself_that_it_asks_for_suspicion() -> None:
+    items = (QuestionnaireItem("person", "A person?"), QuestionnaireItem("why", "Why?", text=True))
+    check = Questionnaire(name="end", role="suspicion", items=items)
+    plan = m.SessionPlan(
+        title="", panels=[], verbs={}, variables=[], conditions=[], keyboard="us", drivers=[],
+        settings=WelcomeSettings(study=StudySettings(questionnaires=[check])),
+    )  # fmt: skip
+    session = ExampleSession().add(0, plan).act(1)
+    asked: list[dict[str, m.Json]] = [
+        {"name": "person", "question": "A person?", "low": 1, "high": 7},
+        {"name": "why", "question": "Why?", "text": True},
+    ]
+    session.add(70, QuestionnaireStarted(questionnaire="end", title="", items=asked))
+    for item, said in (("person", {"value": 6.0}), ("why", {"text": "it waited"})):
+        answer = {"questionnaire": "end", "item": item, "question": item, **said}
+        session.add(71, msgspec.convert(answer, QuestionnaireAnswered))
+    session.add(72, QuestionnaireEnded(questionnaire="end", answered=2, reason="done"))
+    found = text(session_figures(session.end(80)))
+    assert "the answers were 6 once." in found
+    assert "the answers were in words once." in found

@@ -154,8 +154,8 @@ class FeatureFigures:
         yield from ()
 
     def suspicion(self, sessions: Sequence[Any], asked: str) -> Iterator[str]:
-        """Sentences on what participants answered to `asked` (questionnaire.item): whether they
-        suspected that somebody controlled the robot.
+        """Sentences on what participants answered when they were asked whether they suspected
+        a wizard: to the item `asked` (questionnaire.item), otherwise to what the file says.
         """
         yield from ()
 

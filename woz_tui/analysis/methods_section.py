@@ -193,7 +193,7 @@ def _method(about: About) -> Iterator[str]:
 
 def _suspicion(facts: StudyFacts, about: About) -> Iterator[str]:
     for name, each in pieces("figures", FeatureFigures).items():
-        if about.suspicion and name in facts.features:
+        if name in facts.features:
             yield from each.suspicion(facts.features[name], about.suspicion)
 
 

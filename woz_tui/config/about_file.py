@@ -109,7 +109,7 @@ class About(Entry):
         Pattern(
             r"[A-Za-z][\w-]*\.[A-Za-z][\w-]*", "a questionnaire and its item, such as end.person"
         ),
-        Doc("the item that asks whether somebody controlled the robot: questionnaire.item"),
+        Doc("the item that asks whether a wizard was suspected, if no questionnaire has that role"),
     ] = ""
     participants: Annotated[_Text, Doc("who they were, how they were found and paid")] = ""
     instructions: Annotated[_Text, Doc("what participants were told, and expected")] = ""
@@ -122,6 +122,8 @@ class About(Entry):
 
 
 NOTHING = About()
+#: What nobody has to say.
+_NEVER_MISSING = frozenset({"retention", "share", "suspicion"})
 
 
 def read_about(path: Path) -> About:
@@ -140,13 +142,11 @@ def read_about(path: Path) -> About:
 
 
 def missing_in(about: About) -> list[tuple[str, str]]:
-    """What is not said: the key and what it is for. Nobody has to say for how long data are kept,
-    nor that more is shared.
-    """
+    """What is not said: the key and what it is for."""
     return [
         (each.name, each.doc)
         for each in fields_of(About)
-        if not _is_said(getattr(about, each.name)) and each.name not in ("retention", "share")
+        if not _is_said(getattr(about, each.name)) and each.name not in _NEVER_MISSING
     ]
 
 

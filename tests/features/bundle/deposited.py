@@ -25,7 +25,7 @@ from woz_tui.protocol.welcome import (
 )
 
 NAME = "Anna Keller-Winter"
-INCOME = 4711
+INCOME = 4711471147
 EXPERIMENT = """\
 title: Warm or sober
 robot: robots/simulated.yaml
@@ -50,7 +50,9 @@ UX = Questionnaire(
             kind="choice",
             choices=(ItemLabel(1, "never"), ItemLabel(2, "once")),
         ),
-        QuestionnaireItem("income", "What do you earn?", kind="number", high=9999, private=True),
+        QuestionnaireItem(
+            "income", "What do you earn?", kind="number", high=9999999999, private=True
+        ),
     ),
 )
 END = Questionnaire(

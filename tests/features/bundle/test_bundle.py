@@ -247,6 +247,13 @@ def test_what_was_played_otherwise_than_registered_is_a_diff(tmp_path: Path) -> 
     assert "`end_person`, asked at the end: Was a person behind it?" in planned
 
 
+def test_no_text_says_that_words_are_as_they_were(bundle: Path) -> None:
+    readme = (bundle / "documentation" / "bids" / "README.md").read_text()
+    assert "was replaced by `[redacted]`" in readme
+    methods = (bundle / "documentation" / "methods.md").read_text()
+    assert '("Warm or sober")' in methods
+
+
 def test_what_is_missing_is_listed(bundle: Path) -> None:
     text = (bundle / "TODO.md").read_text()
     for name, doc in missing_in(ABOUT):

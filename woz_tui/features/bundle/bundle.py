@@ -195,7 +195,7 @@ class _Bundle:
 
     def _bids(self, logs: Sequence[LogSource]) -> None:
         out = self._folder.path / "documentation" / "bids"
-        for _ in export(logs, "bids", out, ExportOptions(sound=False, samples=False)):
+        for _ in export(logs, "bids", out, ExportOptions(redact=True, sound=False)):
             pass
 
     def _results(self, logs: Sequence[LogSource], sources: Sequence[LogSource]) -> None:

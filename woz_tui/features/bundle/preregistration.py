@@ -51,7 +51,7 @@ def _lines(
         ("When to stop", GAP),
         ("Manipulated variables", "\n".join(_manipulated(plan))),
         ("Measured variables", "\n".join(_measured(items))),
-        ("Indices", GAP),
+        ("Indices", "\n".join(f"* `{each.name}`: {each.label}" for each in items if each.is_score)),
         ("Models", GAP),
         ("Criteria for inference", GAP),
         ("What is excluded", _EXCLUDED),
@@ -96,7 +96,11 @@ def _randomisation(plan: m.SessionPlan | None) -> str:
 
 
 def _manipulated(plan: m.SessionPlan | None) -> Iterator[str]:
-    texts = plan.settings.study.by_condition if plan is not None else {}
+    if plan is None:
+        return
+    if plan.conditions:
+        yield f"* the condition: {listed([*plan.conditions])}"
+    texts = plan.settings.study.by_condition
     for name, by_condition in texts.items():
         yield f"* `{name}`:"
         for condition, text in by_condition.items():
@@ -105,6 +109,8 @@ def _manipulated(plan: m.SessionPlan | None) -> Iterator[str]:
 
 def _measured(items: Sequence[Variable]) -> Iterator[str]:
     for each in items:
+        if each.is_score:
+            continue
         values = f" ({each.values})" if each.values else ""
         yield f"* `{each.name}`, asked {each.asked}: {each.label}{values}"
     yield (

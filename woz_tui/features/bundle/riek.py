@@ -40,7 +40,7 @@ def criteria(
     answers: Mapping[str, Sequence[tuple[str, str]]] = {
         "Robot: what it is": [(about.robot, ABOUT), (_of(found, "Robot", ("simulated",)), LOG)],
         "Robot: how autonomous it was": [(_share(found), LOG), (about.technology, ABOUT)],
-        "Users: how many": [(told.get("Participants and sessions", ""), LOG)],
+        "Users: how many": [(_of(found, "Participants and sessions", ("participant",)), LOG)],
         "Users: who, how found and paid": [(about.participants, ABOUT)],
         "Users: what they were told and expected": [(about.instructions, ABOUT)],
         "Users: hypotheses on their behaviour": [(about.hypotheses, ABOUT)],

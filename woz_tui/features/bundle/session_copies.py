@@ -127,6 +127,8 @@ class PublishedLine:
         robot = line.fields.get("robot")
         if line.kind == "session.start" and isinstance(robot, str):
             fields["robot"] = robot.replace("\\", "/").rpartition("/")[2]
+        if line.kind == "session.plan" and "title" in fields:
+            fields["title"] = line.fields["title"]  # the experiment file's
         if self._codes:
             fields = recoded(fields, self._codes)
         if line.kind != "experiment.files":  # the researcher's, and in the materials

@@ -242,28 +242,26 @@ class CountedQuestionnaires(FeatureFigures):
             yield f"Participants declined {counted(declined, 'questionnaire')}."
 
     def suspicion(self, sessions: Sequence[QuestionnaireFigures], asked: str) -> Iterator[str]:
-        name, _, item = asked.partition(".")
-        answers = [
-            answer
+        checks = {
+            (each.name, item.name): None
             for figures in sessions
-            for answer in figures.answers
-            if (answer.questionnaire, answer.item) == (name, item) and answer.counted
-        ]
-        if not answers:
-            yield f"Whether somebody was suspected to control the robot ({asked}) was not answered."
-            return
-        last = answers[-1]
-        low, high = last.ends
-        scale = f", {last.low:g} = {low} to {last.high:g} = {high}" if low or high else ""
-        values = sorted(answer.value for answer in answers if answer.value is not None)
-        told = Counter(f"{value:g}" for value in values)
-        numbers = listed([f"{value} {times(count)}" for value, count in told.items()])
-        missing = len(answers) - len(values)
-        words = f"; {counted(missing, 'answer')} in words or left out" if missing else ""
-        yield (
-            f'Whether somebody was suspected to control the robot was asked ("{last.question}"'
-            f"{scale}); the answers were {numbers or 'none in numbers'}{words}."
-        )
+            for each in figures.questionnaires
+            if each.role == SUSPICION
+            for item in each.items
+            if item.asks != "page"
+        }
+        name, _, item_name = asked.partition(".")
+        for check in {(name, item_name): None} if asked else checks:
+            rows = [
+                answer
+                for figures in sessions
+                for answer in figures.answers
+                if (answer.questionnaire, answer.item) == check and answer.counted
+            ]
+            if rows:
+                yield _suspected(rows)
+            else:
+                yield f"Whether a wizard was suspected was not answered ({'.'.join(check)})."
 
     def tables(self, figures: QuestionnaireFigures) -> Iterator[ReportTable]:
         yield score_table(figures)
@@ -273,6 +271,28 @@ class CountedQuestionnaires(FeatureFigures):
         if not isinstance(episode, QuestionnaireEpisode) or episode.started is None:
             return None
         return Instant(episode.begin, episode.started.title or episode.name, "questionnaire")
+
+
+def _suspected(rows: Sequence[AnswerRow]) -> str:
+    """What was answered to one item of a suspicion check, each answer with how often."""
+    last = rows[-1]
+    ends = [
+        f"{end:g} = {label}"
+        for end, label in ((last.low, last.low_label), (last.high, last.high_label))
+        if end is not None and label
+    ]
+    scale = f"; {listed(ends)}" if ends else ""
+    labels = {each.value: each.label for each in rows if each.label and not ends}
+    told = Counter(sorted(each.value for each in rows if each.value is not None))
+    parts = [f"{labels.get(value, f'{value:g}')} {times(count)}" for value, count in told.items()]
+    words = sum(each.value is None and bool(each.text or each.values) for each in rows)
+    parts += [f"in words {times(words)}"] if words else []
+    none = len(rows) - told.total() - words
+    parts += [f"none {times(none)}"] if none else []
+    return (
+        "Whether a wizard was suspected was asked"
+        f' ("{last.question}"{scale}); the answers were {listed(parts)}.'
+    )
 
 
 FIGURES = CountedQuestionnaires()

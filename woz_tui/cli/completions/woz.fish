@@ -468,6 +468,8 @@ complete -c woz -n '_shtab_woz_using participants' -l code -x -d 'list every fil
 complete -c woz -n '_shtab_woz_using participants' -l withdraw -d 'with --code: take out all that is kept of this participant; asks first'
 complete -c woz -n '_shtab_woz_using participants' -l copy -xka "(__fish_complete_path (commandline -ct))" -d 'with --code: copy what is kept of this participant, without others, to hand it over'
 complete -c woz -n '_shtab_woz_using participants' -l by -x -d 'for the record: who does it (default: this user)'
+complete -c woz -n '_shtab_woz_using participants' -l due -d 'list what is kept longer than --about says; nothing is deleted'
+complete -c woz -n '_shtab_woz_using participants' -l about -xka "(__fish_complete_path (commandline -ct))" -d 'with --due: the file with retention: {media: 30 d, logs: 10 y} (default: about.yaml)'
 complete -c woz -n '_shtab_woz_using participants' -l yes -d 'do not ask for confirmation'
 complete -c woz -n '_shtab_woz_using participants' -l json -d 'one object, for programs'
 complete -c woz -n '_shtab_woz_using participants; and test $_shtab_woz_npos -ge 0' -ka "(__fish_complete_path (commandline -ct))" -d 'folders to search, with all below (default: recordings)'

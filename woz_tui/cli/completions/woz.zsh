@@ -513,6 +513,8 @@ _shtab_woz_participants_options=(
   "--withdraw[with --code\: take out all that is kept of this participant\; asks first]"
   "--copy[with --code\: copy what is kept of this participant, without others, to hand it over]:NEW_FOLDER:_files"
   "--by[for the record\: who does it (default\: this user)]:WHO:"
+  "--due[list what is kept longer than --about says\; nothing is deleted]"
+  "--about[with --due\: the file with retention\: \{media\: 30 d, logs\: 10 y\} (default\: about.yaml)]:FILE:_files"
   "--yes[do not ask for confirmation]"
   "--json[one object, for programs]"
   "(*)::folders to search, with all below (default\: recordings):_files"

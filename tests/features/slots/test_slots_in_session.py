@@ -62,7 +62,7 @@ def said(host: ServedSession) -> list[str]:
 
 
 def filled(host: ServedSession) -> list[tuple[str, str, str]]:
-    return [(line.slot, line.value, line.source) for line in host.of(SlotFilled)]
+    return [(line.slot, line.text, line.source) for line in host.of(SlotFilled)]
 
 
 async def wizard(host: ServedSession) -> Peer:
@@ -172,7 +172,7 @@ def test_what_is_kept_for_a_participant_is_said_until_another_one_comes(tmp_path
         )
         late = await host.connect()
         state = (await late.hello("watcher"))["state"]
-        assert [line["value"] for line in state if line["kind"] == "slot.filled"] == ["red"]
+        assert [line["text"] for line in state if line["kind"] == "slot.filled"] == ["red"]
         assert (await peer.ask("set", trial=2))["ok"]
         assert (await peer.ask("action", action="Ask"))["ok"]
         assert (await peer.ask("set", participant="P08"))["ok"]

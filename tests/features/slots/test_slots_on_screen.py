@@ -143,7 +143,7 @@ async def test_nothing_is_not_said_and_the_field_says_why() -> None:
 
 async def test_what_is_kept_is_said_at_once_and_asked_for_anew_behind_the_apostrophe() -> None:
     kept = SlotFilled(
-        run="a1", slot="colour", value="red", source="typed", keep="participant", participant="P07"
+        run="a1", slot="colour", text="red", source="typed", keep="participant", participant="P07"
     )
     async with piloted_console(guide(ask="Do you like red?", state=[replace(kept, t=1)])) as pilot:
         assert "Do you like red?" in rows(pilot)[0]

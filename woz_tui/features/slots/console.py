@@ -72,7 +72,7 @@ def next_rows(state: ConsoleState, frame: PaintFrame, action: str) -> Sequence[R
 def _filled(message: SlotFilled, shown: EventContext) -> EventLine | None:
     if message.source == KEPT:  # its sentence says it
         return None
-    return EventLine("info", f"{message.slot}: {message.value}", message.source)
+    return EventLine("info", f"{message.slot}: {message.text}", message.source)
 
 
 SENTENCES = {SlotFilled: _filled}

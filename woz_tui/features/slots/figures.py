@@ -42,7 +42,7 @@ class SlotFigures(FeatureFigures):
                 played=line.run,
                 action=line.action,
                 slot=line.slot,
-                value=line.value,
+                value=line.text,
                 source=line.source,
                 took_us=line.took_us,
             )

@@ -48,7 +48,7 @@ class SlotsInSession(SessionFeature):
         kept = self._kept
         empty = "a wizard or a program fills it in when it is played"
         return VariableValues(
-            {name: line.value for name, line in kept.items()},
+            {name: line.text for name, line in kept.items()},
             why={name: empty for name in self._slots if name not in kept},
             tells={name: line.tells for name, line in kept.items() if line.tells},
             offers={name: slot.offer for name, slot in self._slots.items()},
@@ -85,7 +85,7 @@ class SlotsInSession(SessionFeature):
                 value, source = given.values[name], given.sources[name]
                 tells = given.tells.get(name, ())
             elif name in kept:
-                value, source, tells = kept[name].value, KEPT, kept[name].tells
+                value, source, tells = kept[name].text, KEPT, kept[name].tells
             else:
                 continue
             # What could be taken for a variable, where the sentence is edited, is said once.
@@ -95,7 +95,7 @@ class SlotsInSession(SessionFeature):
                     run=run,
                     action=action.name,
                     slot=name,
-                    value=value,
+                    text=value,
                     source=source,
                     took_us=given.took_us if source != KEPT else 0,
                     keep=slot.keep if keeps else "",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import msgspec
-
 from woz_tui.protocol.envelope import RestrictedMessage
 from woz_tui.protocol.kinds import FeatureKinds
 
@@ -12,7 +10,7 @@ KEPT = "kept"
 
 
 class SlotFilled(RestrictedMessage, frozen=True, kw_only=True, tag="slot.filled"):
-    """A slot of an action's sentence has this `value` in the run `run`.
+    """A slot of an action's sentence has this `text` in the run `run`.
 
     `source`: typed, offered (one of the file's), heard (a word of what the visitor said), program,
     or kept (it was filled before). `took_us`: from when the console asked until the wizard sent it.
@@ -23,11 +21,11 @@ class SlotFilled(RestrictedMessage, frozen=True, kw_only=True, tag="slot.filled"
     run: str
     action: str = ""
     slot: str
-    value: str
+    text: str
     source: str
     took_us: int = 0
-    keep: str = msgspec.field(default_factory=str)
-    participant: str = msgspec.field(default_factory=str)
+    keep: str = ""
+    participant: str = ""
     trial: int = 0
 
 

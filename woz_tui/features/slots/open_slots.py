@@ -60,7 +60,7 @@ def gap(state: ConsoleState, action: str, slot: str, given: Mapping[str, str]) -
     before, marker, after = clean(said).partition(f"{{{slot}}}")
     if not marker:
         return Gap(slot, f"{slot}: ", "")
-    given = {**{name: line.value for name, line in kept_values(state.session).items()}, **given}
+    given = {**{name: line.text for name, line in kept_values(state.session).items()}, **given}
     for name, value in given.items():
         before, after = (
             text.replace(f"{{{name}}}", value) if name != slot else text for text in (before, after)

@@ -151,6 +151,12 @@ def test_a_suspicion_check_is_the_last_one(tmp_path: Path) -> None:
     assert [each.name for each in found] == ["a", "c", "suspicion"]
 
 
+def test_check_names_the_scores(tmp_path: Path) -> None:
+    copied(tmp_path, "tlx")
+    ((name, words),) = QUESTIONNAIRES.summary(read(tmp_path, "{file: tlx.yaml, when: trial}"))
+    assert (name, words) == ("tlx", "after each trial: 6 items, 6 sliders, score workload")
+
+
 # -- files in general ------------------------------------------------------------------------------
 
 OWN = "name: own\ntitle: Ours\nscale: {low: 1, high: 3}\nitems: [a, b]\n"

@@ -199,6 +199,9 @@ def _in_words(questionnaire: Questionnaire) -> str:
         parts.append(f"{count} {_KINDS[kind][count > 1]}")
     parts += [f"{texts} in words"] if texts else []
     parts += ["shuffled"] if questionnaire.shuffled else []
+    if questionnaire.scores:
+        names = ", ".join(score.name for score in questionnaire.scores)
+        parts.append(f"score{'' if len(questionnaire.scores) == 1 else 's'} {names}")
     if questionnaire.versions:
         codes = [questionnaire.language, *(each.language for each in questionnaire.versions)]
         parts.append(f"in {', '.join(codes)}")

@@ -16,6 +16,9 @@ from woz_tui.protocol.action_messages import Evidence
 #: How lights of the eyes change: not, by lids that close, by coming and going.
 EYE_ANIMATIONS = ("steady", "blink", "intermittent")
 
+#: What `utter` sounds like.
+NOTES, GIBBERISH = "notes", "gibberish"
+
 _ANGLE, _STEP = Range(-180, 180, "degrees"), Range(-90, 90, "degrees")
 _METRES, _TURN = Range(-5, 5, "m"), Range(-360, 360, "degrees")
 _UNIT, _BOTH, _SEED = Range(0, 1), Range(-1, 1), Range(0, 2**31 - 1)
@@ -48,6 +51,13 @@ _VERBS = (
             Argument("valence", "number", "bad to good, in place of an emotion", range=_BOTH),
             Argument("arousal", "number", "calm to excited, beside it", range=_BOTH),
             Argument("seed", "whole", "the same one gives the same sound", range=_SEED),
+            Argument(
+                "voice",
+                "choice",
+                "notes, or syllables without a meaning",
+                default=NOTES,
+                choices=(NOTES, GIBBERISH),
+            ),
         ),
         lane="voice",
         by_mood=True,

@@ -48,7 +48,7 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Range
-from woz_tui.drivers.robot_verbs import common_verb
+from woz_tui.drivers.robot_verbs import GIBBERISH, NOTES, common_verb
 from woz_tui.motion.body_feeds import VOICE, VoiceLevels
 from woz_tui.motion.emotions import FEELINGS
 from woz_tui.protocol import markup
@@ -76,21 +76,7 @@ _SAY = common_verb(
 #: A program that speaks by itself gets the words alone.
 _SAY_BY_ITSELF = replace(_SAY, markup=())
 _SOUND = common_verb("sound", "play a WAV file", evidence="reported")
-#: What `utter` sounds like.
-NOTES, GIBBERISH = "notes", "gibberish"
-_UTTER = common_verb(
-    "utter",
-    "",
-    Argument(
-        "voice",
-        "choice",
-        "notes, or syllables without a meaning",
-        default=NOTES,
-        choices=(NOTES, GIBBERISH),
-    ),
-    choices=FEELINGS,
-    evidence="reported",
-)
+_UTTER = common_verb("utter", choices=FEELINGS, evidence="reported")
 _VOLUME = common_verb("volume", "set how loud the next sounds are", lane="volume", evidence="")
 #: A player that ends so long before its sound, and before the half of it, has not played it: it may
 #: end a little early, where the sound card has a buffer. In seconds.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import shutil
 import sys
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -310,7 +309,7 @@ async def test_gibberish_without_espeak_ng_is_refused_by_name(
     assert "apt install espeak-ng" in raised.value.remedy
 
 
-@pytest.mark.skipif(shutil.which("espeak-ng") is None, reason="needs espeak-ng")
+@pytest.mark.espeak
 async def test_gibberish_is_the_same_by_its_seed_and_quicker_when_excited(rig: SpeechRig) -> None:
     spoken = [
         await gibberish(cues(0.0, arousal), 3.0, seed, folder=rig.folder)

@@ -204,19 +204,33 @@ def test_the_programs_by_default() -> None:
     settings = SpeechSettings(device="plughw:1,0")
     assert " ".join(settings.play_words()) == "aplay -q -D {device} {wav}"
     assert settings.synthesise_words()[0] == "espeak-ng"
-    assert [verb.name for verb in Speech.offer(settings).verbs] == ["say", "sound", "volume"]
+    assert [verb.name for verb in Speech.offer(settings).verbs] == [
+        "say",
+        "sound",
+        "utter",
+        "volume",
+    ]
     assert Speech.offer(settings).sensors == ("prepared",)
 
 
 async def test_examine_tries_a_word_and_looks_at_every_recording(rig: SpeechRig) -> None:
     (rig.folder / "broken.wav").write_bytes(b"no sound")
     settings = rig.settings(recordings={"Bye": "broken.wav"})
-    synthesiser, player, recording = await Speech.examine(Probe("voice", settings, rig.folder))
+    synthesiser, player, recording, *_ = await Speech.examine(Probe("voice", settings, rig.folder))
     assert (synthesiser.level, player.level) == ("ok", "ok")
     assert "0.1 s for 'Hello'" in synthesiser.text
     assert recording.level == "error"
     assert "recording of 'Bye'" in recording.text
     assert rig.journal_entries("play") == []
+
+
+async def test_examine_tells_that_another_voice_has_no_gibberish_without_espeak_ng(
+    rig: SpeechRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(rig.folder))
+    *_, last = await Speech.examine(Probe("voice", rig.settings(), rig.folder))
+    assert (last.level, last.remedy[:4]) == ("info", "sudo")
+    assert "gibberish needs espeak-ng" in last.text
 
 
 async def test_examine_names_what_is_missing(

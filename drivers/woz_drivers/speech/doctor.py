@@ -6,6 +6,7 @@ import asyncio
 from pathlib import Path
 
 from woz_drivers.programs import child_process, command_lines
+from woz_drivers.speech import gibberish
 from woz_drivers.speech.settings import PlayedTalkSettings, SpeechSettings, SynthesisSettings
 from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav
 from woz_tui.drivers.contract import DriverError, Finding, Probe
@@ -28,6 +29,7 @@ async def examine(probe: Probe) -> list[Finding]:
             await synthesiser_finding(probe, settings),
             await _player(probe, settings),
             *_recordings(probe, settings),
+            *_gibberish(probe, settings),
             *talk_findings(probe, settings.talk, settings.device),
         ]
     except DriverError as error:
@@ -96,3 +98,14 @@ def _recordings(probe: Probe, settings: SpeechSettings) -> list[Finding]:
                 Finding("error", probe.name, f"recording of {text!r}: {error.what}", error.remedy)
             )
     return findings
+
+
+def _gibberish(probe: Probe, settings: SpeechSettings) -> list[Finding]:
+    """What `utter` lacks where another program speaks; else it is told already."""
+    if not settings.resident_voice and settings.synthesise_words()[0] == gibberish.PROGRAM:
+        return []
+    try:
+        gibberish.found(probe.folder)
+    except DriverError as error:
+        return [Finding("info", probe.name, error.what, error.remedy)]
+    return []

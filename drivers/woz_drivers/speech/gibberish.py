@@ -50,18 +50,23 @@ def phonemes(made: SoundCues, seconds: float, seed: int) -> str:
     return f"[[{' '.join(words)}]]"
 
 
-async def gibberish(made: SoundCues, seconds: float, seed: int, *, folder: Path) -> Wav:
-    """Such words as sound, at tempo, pitch, level and roughness of the table.
-
-    Raises `RejectedError` where espeak-ng is missing.
-    """
+def found(folder: Path) -> None:
+    """Raise `RejectedError` unless espeak-ng is there."""
     try:
         command_lines.find(PROGRAM, folder)
     except DriverError as error:
         raise RejectedError(
             f"gibberish needs {PROGRAM}, and it is not installed",
-            f"sudo apt install {PROGRAM}, or leave out `voice: gibberish`",
+            f"sudo apt install {PROGRAM}, or do without `voice: gibberish`",
         ) from error
+
+
+async def gibberish(made: SoundCues, seconds: float, seed: int, *, folder: Path) -> Wav:
+    """Such words as sound, at tempo, pitch, level and roughness of the table.
+
+    Raises `RejectedError` where espeak-ng is missing.
+    """
+    found(folder)
     slowest, fastest = _SPEEDS
     speed = min(fastest, max(slowest, round(_SPEED * made.tempo)))
     pitch = min(99, max(0, round(_PITCH + _OCTAVE * made.register)))

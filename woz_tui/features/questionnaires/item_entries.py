@@ -12,7 +12,7 @@ from woz_tui.config.problems import quoted
 from woz_tui.config.yaml_cursor import Cursor, check_different, missing, read_filled, read_text
 from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, OneOf, OneOrMore, Range, ReadApart
-from woz_tui.features.questionnaires.items import NUMBERS, POINTS
+from woz_tui.features.questionnaires.items import NUMBERS
 from woz_tui.protocol.welcome import ItemCondition, ItemLabel, QuestionnaireItem
 
 #: What names in logs and tables look like.
@@ -204,7 +204,7 @@ class ReadItem:
             text=self.kind == "text",
             optional=required == "optional" and not page,
             kind="scale" if self.kind == "text" else self.kind,
-            stem="" if page or self.kind not in POINTS else told(self.defaults.stem),
+            stem=told(self.defaults.stem) if self.kind == "scale" else "",
             labels=tuple(
                 ItemLabel(value - shift, told(text)) for value, text in scale.labels.items()
             ),

@@ -100,6 +100,8 @@ EXAMPLES: dict[str, Any] = {
     "questionnaires.instrument.link": "https://uxpajournal.org/sus-a-retrospective/",
     "questionnaires.instrument.terms": "CC BY 4.0",
     "questionnaires.instrument.read": "2026-11-29: the licence line of the article",
+    "questionnaires.scale.points": ["never", "seldom", "often"],
+    "questionnaires.scale.labels": {1: "not at all", 4: "half", 7: "quite"},
     "training.count": 20,
     "training.cues.window": "8 s",
     **{f"engagement.{sign}": {"samples": 10} for sign in SIGNS},

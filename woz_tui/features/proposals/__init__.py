@@ -17,3 +17,5 @@ class Proposals(Feature):
     session = "in_session:ProposalsInSession"
     history = "history:ProposalHistory"
     export = "export:EXPORT"
+    figures = "figures:FIGURES"
+    report = "report:REPORT"

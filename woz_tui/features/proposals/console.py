@@ -87,7 +87,8 @@ def _row(state: ConsoleState, frame: PaintFrame, place: int, shown: ShownItem | 
 def item_words(state: ConsoleState, item: ProposedItem, frame: PaintFrame) -> str:
     """`“Hello”`, the action's label, `gaze yaw 20`."""
     if item.action:
-        return clean(state.label(item.action))
+        slots = " ".join(f"{name}: {value}" for name, value in item.args.items())
+        return clean(f"{state.label(item.action)} {slots}".strip())
     said = quotation(item.text, frame.glyphs)
     if item.verb in ("", "say"):
         return said

@@ -157,10 +157,12 @@ class ProposalsInSession(SessionFeature):
                 self._hold(client, request, item, decide)
             case r.AskAction() if not rights.asks(ACTIONS):
                 return False
-            case r.AskAction(action=action):
+            case r.AskAction(action=action, slots=slots):
                 if self.session.experiment.action(action) is None:
                     raise RequestError(f"there is no action {action!r}")
-                self._hold(client, request, ProposedItem("1", action=action), decide)
+                self._hold(
+                    client, request, ProposedItem("1", action=action, args={**slots}), decide
+                )
             case _:
                 raise RequestError(
                     "this program only proposes: it can ask for verbs and actions, nothing else"
@@ -184,7 +186,8 @@ class ProposalsInSession(SessionFeature):
             raise RequestError(
                 "what this program asked for before still waits for the wizard", "wait for that"
             )
-        if cleaned(item.text) != item.text or len(item.text) > LONGEST:
+        texts = [item.text, *(text for text in item.args.values() if isinstance(text, str))]
+        if any(cleaned(text) != text or len(text) > LONGEST for text in texts):
             raise RequestError(
                 f"a text that is to be approved has one line of {LONGEST} characters at the most,"
                 " and no characters that nobody can see"

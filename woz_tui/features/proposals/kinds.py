@@ -23,8 +23,8 @@ class SuggestSettings(Message, frozen=True, kw_only=True, tag="suggest.settings"
 
 
 class ProposedItem(msgspec.Struct, frozen=True, omit_defaults=True):
-    """One item of a set: an action by its name, a sentence, or a verb with its arguments, in which
-    nothing is filled in any more.
+    """One item of a set: an action by its name (`args`: its slots), a sentence, or a verb with its
+    arguments, in which nothing is filled in any more.
     """
 
     id: str

@@ -1,0 +1,77 @@
+"""What reports and tables say of proposals."""
+
+from __future__ import annotations
+
+from tests.analysis.example_sessions import ExampleSession, figures_of, in_time
+from woz_tui.features.proposals.figures import FIGURES, ProposalFigures
+from woz_tui.features.proposals.kinds import (
+    ProposedItem,
+    SuggestGone,
+    SuggestOffered,
+    SuggestTaken,
+)
+from woz_tui.features.proposals.report import SUGGESTIONS
+from woz_tui.protocol import messages as m
+
+
+def said(command: str, source: str, run: str = "") -> m.Command:
+    return m.Command(
+        command=command, run=run, verb="say", args={"text": "x"}, driver="robot", source=source
+    )
+
+
+def story() -> ExampleSession:
+    whale = [ProposedItem("1", text="It is a wale")]
+    session = ExampleSession()
+    session.add(
+        1, SuggestOffered(set="s1", source="program", who="mcp", approval=True, items=whale)
+    )
+    session.add(3, said("c1", "program"))
+    session.add(3, SuggestTaken(set="s1", item="1", how="edited", run="c1", text="It is a whale"))
+    map_ = [ProposedItem("1", action="Map")]
+    session.add(4, SuggestOffered(set="s2", source="logs", items=map_))
+    session.add(5, m.ActionRequested(run="a1", action="Map", source="key"), said("c2", "key", "a1"))
+    session.add(5, SuggestTaken(set="s2", item="1", how="own_key", run="a1"))
+    session.add(6, SuggestOffered(set="s3", source="logs", items=map_))
+    session.add(7, m.ActionRequested(run="a2", action="Bye", source="key"), said("c3", "key", "a2"))
+    session.add(7, SuggestGone(set="s3", how="other_act"))
+    return session
+
+
+def counted() -> ProposalFigures:
+    found = figures_of(in_time(story().end(9))).features["proposals"]
+    assert isinstance(found, ProposalFigures)
+    return found
+
+
+def test_each_set_has_a_row_with_its_end() -> None:
+    rows = counted().sets
+    assert [(row.set, row.outcome, row.after_us, row.was_right) for row in rows] == [
+        ("s1", "edited", 2_000_000, None),
+        ("s2", "own_key", 1_000_000, True),
+        ("s3", "other_act", 1_000_000, False),
+    ]
+    assert rows[0].distance is not None
+    assert 0 < rows[0].distance < 0.2
+    assert rows[2].distance is None
+
+
+def test_each_sentence_has_its_origin() -> None:
+    assert counted().origins == {"proposed: program": 1, "proposed: logs": 1, "key": 1}
+
+
+def test_the_report_and_the_methods_section_say_it() -> None:
+    sets, origins = FIGURES.tables(counted())
+    assert [str(cell) for cell in sets.rows[1]][2:6] == ["1", "0", "1", "0"]
+    assert len(origins.rows) == 3
+    (sentence,) = FIGURES.methods([counted()])
+    assert "3 sets of proposals, 67 % of which the wizard took (1 sentence changed before)" in (
+        sentence
+    )
+
+
+def test_the_table_of_exports_has_a_row_for_each_set() -> None:
+    figures = figures_of(in_time(story().end(9)))
+    rows = [*SUGGESTIONS.rows(figures)]
+    cells = [column.cell(figures, rows[0]) for column in SUGGESTIONS.columns]
+    assert "edited" in cells

@@ -14,6 +14,15 @@ from woz_tui.protocol.messages import Message
 #: Unit (empty: none) and meaning of every field, by name: one name means one thing everywhere.
 FIELDS: dict[str, tuple[str, str]] = {
     "after_us": ("µs", "from the offer to its end; of settings: no sooner after speech"),
+    "answer": ("", "all that the model wrote; absent: nothing"),
+    "asked": ("", "the request to the model as it went out"),
+    "error": ("", "why nothing came of it; absent: something did"),
+    "model": ("", "the name with which the model's server answered; absent: it did not"),
+    "fingerprint": ("", "the server's word for the version of its model; absent: none"),
+    "prompt": ("", "what the model is told before the dialogue"),
+    "prompt_sha256": ("", "SHA-256 of the prompt"),
+    "sampling": ("", "temperature, seed and length with which the model is asked"),
+    "url": ("", "the model's address"),
     "approval": ("", "the program does nothing that is not taken; absent: it only offers"),
     "programs": ("", "names of programs that only propose; absent: none"),
     "reasons": ("", "why each item was chosen, in their order"),

@@ -46,6 +46,7 @@ _shtab_woz_commands() {
     run:'start the robot process and the console: a session'
     say:'hear how a text sounds'
     schema:'print the JSON Schema of experiment files, for editors'
+    suggest:'ask a language model for sentences that the wizard may take'
     talk:'send a voice from standard input to the robot'"'"'s loudspeaker'
     train:'train a wizard: a simulated visitor gives cues, answers are scored'
     visitors:'named visitors: list, show, add, rename, forget, profile'
@@ -674,6 +675,16 @@ _shtab_woz_schema_options=(
 # guard to ensure default positional specs are added only once per session
 _shtab_woz_schema_defaults_added=0
 
+_shtab_woz_suggest_options=(
+  "(- : *)"{-h,--help}"[show this help message and exit]"
+  "--access[join a session on another machine with this access file (see \`woz access\`)]:FILE:_files"
+  "--key-file[a file (mode 600) with the server\'s key\; else \$WOZ_SUGGEST_KEY]:key_file:_files"
+  ":session code, such as S02, or socket (default\: the only one that runs)\; with --access\: the robot\'s HOST\:PORT:"
+)
+
+# guard to ensure default positional specs are added only once per session
+_shtab_woz_suggest_defaults_added=0
+
 _shtab_woz_talk_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
   "--access[join a session on another machine with this access file (see \`woz access\`)]:FILE:_files"
@@ -860,6 +871,7 @@ _shtab_woz() {
         run) _arguments -C -s $_shtab_woz_run_options ;;
         say) _arguments -C -s $_shtab_woz_say_options ;;
         schema) _arguments -C -s $_shtab_woz_schema_options ;;
+        suggest) _arguments -C -s $_shtab_woz_suggest_options ;;
         talk) _arguments -C -s $_shtab_woz_talk_options ;;
         train) _arguments -C -s $_shtab_woz_train_options ;;
         visitors) _shtab_woz_visitors ;;

@@ -1,6 +1,6 @@
 """Proposals: something proposes, the wizard takes it."""
 
-from woz_tui.feature import Feature
+from woz_tui.feature import CommandLine, Feature
 
 
 class Proposals(Feature):
@@ -19,3 +19,9 @@ class Proposals(Feature):
     export = "export:EXPORT"
     figures = "figures:FIGURES"
     report = "report:REPORT"
+    command = CommandLine(
+        name="suggest",
+        summary="ask a language model for sentences that the wizard may take",
+        module="command",
+        behind="mcp",
+    )

@@ -6,19 +6,29 @@ from woz_tui.export.feature_export import FeatureExport
 
 EXPORT = FeatureExport(
     label_and_text={
+        "suggest.asked": ("model", "answer"),
         "suggest.offered": ("source", "who"),
         "suggest.taken": ("how", "text"),
         "suggest.gone": ("how", ""),
     },
-    points={"proposals": ("suggest.offered", "suggest.taken", "suggest.gone", "suggest.ranked")},
-    settings=("suggest.settings",),
+    points={
+        "proposals": (
+            "suggest.offered",
+            "suggest.taken",
+            "suggest.gone",
+            "suggest.ranked",
+            "suggest.asked",
+        )
+    },
+    settings=("suggest.settings", "suggest.model"),
     kept={
         "suggest.settings": ("sources", "programs"),
         "suggest.offered": ("set", "source", "who", "cue"),
+        "suggest.asked": ("cue", "model", "fingerprint", "prompt_sha256"),
         "suggest.ranked": ("set", "reasons"),
         "suggest.taken": ("set", "item", "how", "run", "console"),
         "suggest.gone": ("set", "how"),
     },
     ids=("set",),
-    of_session=("suggest.settings",),
+    of_session=("suggest.settings", "suggest.model"),
 )

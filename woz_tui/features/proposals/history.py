@@ -8,7 +8,9 @@ from typing import ClassVar
 from msgspec.structs import replace
 
 from woz_tui.features.proposals.kinds import (
+    SuggestAsked,
     SuggestGone,
+    SuggestModel,
     SuggestOffered,
     SuggestRanked,
     SuggestSettings,
@@ -46,10 +48,15 @@ class ProposalHistory(FeatureHistory):
 
     def __init__(self) -> None:
         self.settings: SuggestSettings | None = None
+        self.model: SuggestModel | None = None
         self.sets: dict[str, SuggestionEpisode] = {}
 
     def _set(self, message: SuggestSettings, state: SessionState) -> Iterable[Episode]:
         self.settings = message
+        return moment(message, state.t)
+
+    def _choose(self, message: SuggestModel, state: SessionState) -> Iterable[Episode]:
+        self.model = message
         return moment(message, state.t)
 
     def _offer(self, message: SuggestOffered, state: SessionState) -> Iterable[Episode]:
@@ -66,11 +73,15 @@ class ProposalHistory(FeatureHistory):
             return (replace(before, end=state.t, outcome=message.how, taken=message),)
         return (replace(before, end=state.t, outcome=message.how, gone=message),)
 
-    def _rank(self, message: SuggestRanked, state: SessionState) -> Iterable[Episode]:
+    def _rank(
+        self, message: SuggestRanked | SuggestAsked, state: SessionState
+    ) -> Iterable[Episode]:
         return moment(message, state.t)
 
     cases: ClassVar[Mapping[type[m.Message], HistoryCase]] = {
         SuggestSettings: _set,
+        SuggestModel: _choose,
+        SuggestAsked: _rank,
         SuggestOffered: _offer,
         SuggestRanked: _rank,
         SuggestTaken: _end,

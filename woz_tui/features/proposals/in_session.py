@@ -16,10 +16,13 @@ from woz_tui.features.proposals.clean_text import LONGEST, MOST, cleaned, withou
 from woz_tui.features.proposals.gate import ApprovalFact
 from woz_tui.features.proposals.kinds import (
     AskDismiss,
+    AskModelTold,
     AskPropose,
     AskTake,
     ProposedItem,
+    SuggestAsked,
     SuggestGone,
+    SuggestModel,
     SuggestOffered,
     SuggestRanked,
     SuggestSettings,
@@ -28,11 +31,12 @@ from woz_tui.features.proposals.kinds import (
 from woz_tui.features.proposals.likely_acts import LikelyActs
 from woz_tui.features.proposals.ranker import Ranked
 from woz_tui.features.proposals.rights import ACTIONS, HANDS, ProgramRights
-from woz_tui.features.proposals.section import PROPOSALS, Proposals
+from woz_tui.features.proposals.section import PROPOSALS, ModelSettings, Proposals
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.action_messages import BY_PERSON
+from woz_tui.protocol.envelope import Message
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.session_features import Client, Decide, FeatureSession, SessionFeature
 from woz_tui.timeline.episodes import Episode, TrialEpisode
@@ -42,7 +46,7 @@ SETTLE_US = 300_000
 #: What a program that only proposes may ask for without anybody's approval: it moves nothing.
 ALWAYS = (
     *(r.AskDescribe, r.AskPredict, r.AskMarker, r.AskNote, r.AskCancel, r.AskLetGo, r.AskStop),
-    *(r.AskPreflight, r.AskAbout, r.Beat, AskDismiss, AskPropose),
+    *(r.AskPreflight, r.AskAbout, r.Beat, AskDismiss, AskPropose, AskModelTold),
 )
 #: What is said to a program whose set ended so.
 _ENDS = {
@@ -76,7 +80,7 @@ class _OpenSet:
 class ProposalsInSession(SessionFeature):
     """All sets of a session."""
 
-    requests = (AskTake, AskDismiss, AskPropose)
+    requests = (AskTake, AskDismiss, AskPropose, AskModelTold)
 
     def __init__(self, session: FeatureSession) -> None:
         super().__init__(session)
@@ -109,8 +113,21 @@ class ProposalsInSession(SessionFeature):
         if section is not None:
             sources = [*(["logs"] if section.suggest.logs else []), "program"]
             after = section.suggest.after
+            if (model := section.suggest.model) is not None:
+                sources.append("model")
+                self._tell_model(model)
         self.session.hub.publish(
             SuggestSettings(sources=sources, programs=programs, after_us=round(after * 1e6))
+        )
+
+    def _tell_model(self, model: ModelSettings) -> None:
+        sampling: dict[str, float] = {
+            "temperature": model.temperature,
+            "seed": model.seed,
+            "max_tokens": model.max_tokens,
+        }
+        self.session.hub.publish(
+            SuggestModel(url=model.url, name=model.name, sampling=sampling, prompt=model.prompt)
         )
 
     def close(self) -> None:
@@ -203,7 +220,12 @@ class ProposalsInSession(SessionFeature):
 
     # -- requests ----------------------------------------------------------------------------------
 
-    def carry_out(self, request: AskTake | AskDismiss | AskPropose, client: Client) -> str:
+    def carry_out(
+        self, request: AskTake | AskDismiss | AskPropose | AskModelTold, client: Client
+    ) -> str:
+        if isinstance(request, AskModelTold):
+            self._log_model(request, client)
+            return ""
         if isinstance(request, AskPropose):
             self._propose(request, client)
             return ""
@@ -219,6 +241,20 @@ class ProposalsInSession(SessionFeature):
         if self.session.hub.now() - found.since < SETTLE_US:
             raise RequestError("not taken: the proposal had only just come", "press it again")
         return self._take(request, client, found)
+
+    def _log_model(self, request: AskModelTold, client: Client) -> None:
+        """What a model was asked is in the log, whatever comes of it."""
+        if client.role != "program" or self._section is None:
+            raise RequestError("only a program can tell what it asked a model")
+        fields = SuggestAsked.__struct_fields__
+        own = Message.__struct_fields__
+        self.session.hub.publish(
+            SuggestAsked(**{name: getattr(request, name) for name in fields if name not in own})
+        )
+        if request.given_up:
+            text = "The model does not answer: no sentences are proposed for a while"
+            remedy = "look at the program that serves it, and at `woz suggest`"
+            self.session.hub.publish(m.Notice(level="warning", text=text, remedy=remedy))
 
     def _propose(self, request: AskPropose, client: Client) -> None:
         if client.role != "program" or self._section is None:

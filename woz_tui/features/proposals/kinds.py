@@ -22,6 +22,35 @@ class SuggestSettings(Message, frozen=True, kw_only=True, tag="suggest.settings"
     after_us: int = 0
 
 
+class SuggestModel(Message, frozen=True, kw_only=True, tag="suggest.model"):
+    """`woz suggest` asks this model from here on: the address `url`, the name that is asked for,
+    the settings of the request (`sampling`), and the `prompt` before the dialogue.
+    """
+
+    url: str = ""
+    name: str = ""
+    sampling: dict[str, float] = {}
+    prompt: str = ""
+
+
+class SuggestAsked(Message, frozen=True, kw_only=True, tag="suggest.asked"):
+    """A model was asked. `asked`: the whole request as it went out; `model`: the name with which
+    the server answered, `fingerprint` its own word for its version; `answer`: all that it wrote;
+    `prompt_sha256`: of the prompt. `first_us`, `took_us`: from the request to the first piece and
+    to the end. `error`: why nothing came of it.
+    """
+
+    cue: str = ""
+    asked: dict[str, Json] = {}
+    model: str = ""
+    fingerprint: str = ""
+    answer: str = ""
+    prompt_sha256: str = ""
+    first_us: int = -1
+    took_us: int = 0
+    error: str = ""
+
+
 class ProposedItem(msgspec.Struct, frozen=True, omit_defaults=True):
     """One item of a set: an action by its name (`args`: its slots), a sentence, or a verb with its
     arguments, in which nothing is filled in any more.
@@ -122,10 +151,30 @@ class AskPropose(Request, frozen=True, kw_only=True, tag="propose"):
     cue: str = ""
 
 
-MESSAGES = (SuggestSettings, SuggestOffered, SuggestRanked, SuggestTaken, SuggestGone)
+class AskModelTold(Request, frozen=True, kw_only=True, tag="model-told"):
+    """Of `woz suggest`: what it asked a model, and what came of it, for the log (as in
+    `suggest.asked`). `given_up`: it asks no more for a while, and the wizard is told.
+    """
+
+    cue: str = ""
+    asked: dict[str, Json] = {}
+    model: str = ""
+    fingerprint: str = ""
+    answer: str = ""
+    prompt_sha256: str = ""
+    first_us: int = -1
+    took_us: int = 0
+    error: str = ""
+    given_up: bool = False
+
+
+MESSAGES = (
+    *(SuggestSettings, SuggestModel, SuggestAsked),
+    *(SuggestOffered, SuggestRanked, SuggestTaken, SuggestGone),
+)
 KINDS = FeatureKinds(
     messages=MESSAGES,
-    requests=(AskTake, AskDismiss, AskPropose),
-    open=(SuggestSettings, SuggestGone),
-    unlisted=(SuggestRanked,),
+    requests=(AskTake, AskDismiss, AskPropose, AskModelTold),
+    open=(SuggestSettings, SuggestModel, SuggestGone),
+    unlisted=(SuggestRanked, SuggestAsked),
 )

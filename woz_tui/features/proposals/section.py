@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any
+from urllib.parse import urlsplit
 
 from woz_tui.config.annotated_decoder import Invalid, read_value
 from woz_tui.config.experiment import Experiment
@@ -17,7 +18,7 @@ from woz_tui.config.problems import quoted
 from woz_tui.config.reload_changes import changed_entries, changed_settings
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import MappingNode
-from woz_tui.drivers.fields import Doc, OneOf, ReadApart, Seconds
+from woz_tui.drivers.fields import Doc, NotBlank, OneOf, Pattern, Range, ReadApart, Seconds
 from woz_tui.features.proposals.rights import (
     ACTIONS,
     ONLY_PROPOSES,
@@ -32,12 +33,39 @@ MCP = "mcp"
 
 
 @dataclass(frozen=True, slots=True)
+class ModelSettings:
+    """A model that `woz suggest` asks for sentences, at any address that has chat completions."""
+
+    url: Annotated[
+        str,
+        Pattern(r"https?://.+", "begins with http:// or https://"),
+        Doc("the address before /chat/completions"),
+    ] = "http://127.0.0.1:8080/v1"
+    name: Annotated[str, Doc("the model that is asked for; empty: the server's own")] = ""
+    prompt: Annotated[str, NotBlank(), Doc("what the model is told before the dialogue")] = (
+        "You help a person who speaks for a robot. Suggest what the robot could answer: two short"
+        " sentences to choose from, each on a line of its own, and nothing else."
+    )
+    temperature: Annotated[float, Range(0, 2), Doc("0: the likeliest words")] = 0.0
+    seed: Annotated[int, Doc("asks for the same answer again, which no server promises")] = 1
+    max_tokens: Annotated[int, Range(8, 400), Doc("length of an answer at the most")] = 80
+
+    @property
+    def is_local(self) -> bool:
+        """Whether nothing leaves this computer."""
+        return urlsplit(self.url).hostname in ("127.0.0.1", "localhost", "::1")
+
+
+@dataclass(frozen=True, slots=True)
 class SuggestKeysOfFile:
     """What is proposed to the wizard. A file without the section has none of it."""
 
     logs: Annotated[
         bool, Doc("actions that earlier sessions make likely are named with their own keys")
     ] = False
+    model: Annotated[
+        ModelSettings | None, Doc("a language model that `woz suggest` asks for sentences")
+    ] = None
     after: Annotated[
         float, Seconds(0, 10), Doc("nothing is proposed sooner after the visitor has spoken")
     ] = 1.0
@@ -89,6 +117,12 @@ class ProposalSection(FeatureSection[Proposals | None]):
             if (rights := _rights(entry, contents)) is not None
         }
         suggest = file.suggest or SuggestKeysOfFile()
+        if suggest.model is not None and not suggest.model.is_local:
+            host = urlsplit(suggest.model.url).hostname
+            table["suggest"].warning(
+                f"what visitors say is sent to {host}; say so in their consent, or serve a model"
+                " on a computer of your own"
+            )
         return Proposals(suggest, {MCP: ONLY_PROPOSES, **programs})
 
     def changes(self, old: Proposals | None, new: Proposals | None) -> Iterable[str]:
@@ -101,6 +135,8 @@ class ProposalSection(FeatureSection[Proposals | None]):
 
     def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         section = self.of(experiment)
+        if section is not None and section.suggest.model is not None:
+            yield "suggest", f"`woz suggest` asks a model at {section.suggest.model.url}"
         if section is not None and section.suggest.logs:
             yield "suggest", "names likely actions, learnt from earlier sessions of this title"
         for name, rights in section.programs.items() if section is not None else ():

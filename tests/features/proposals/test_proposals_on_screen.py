@@ -35,10 +35,6 @@ async def told(pilot: ConsolePilot, *messages: Any) -> None:
         await at(pilot, message, seq)
 
 
-def board(pilot: ConsolePilot) -> str:
-    return pilot.text("FeatureBoard")
-
-
 @SIZES
 async def test_each_has_its_key_and_who_proposes_it(size: tuple[int, int]) -> None:
     async with piloted_console(size=size) as pilot:
@@ -52,7 +48,7 @@ async def test_each_has_its_key_and_who_proposes_it(size: tuple[int, int]) -> No
 
 
 async def test_the_key_takes_what_stands_there_by_its_set() -> None:
-    async with piloted_console() as pilot:
+    async with piloted_console(size=(160, 50)) as pilot:
         await told(pilot, ON, offered(1, "One?", "Two?"), offered(2, "Three?"))
         for key, wanted in (("f6", ("s1", "1")), ("f7", ("s1", "2")), ("f8", ("s2", "1"))):
             await pilot.press(key)
@@ -124,3 +120,26 @@ async def test_likely_actions_stand_there_with_their_own_keys(size: tuple[int, i
         asked = pilot.feed.last(AskTake)
         assert isinstance(asked, AskTake)
         assert asked.set == "s2", "they have no place of their own"
+
+
+LONG = "Shall I show you where the whale shark lives, behind the large tank? It is " + "far " * 20
+
+
+async def test_a_long_sentence_goes_on_in_the_empty_row_below() -> None:
+    async with piloted_console(size=(80, 24)) as pilot:
+        await told(pilot, ON, offered(1, LONG[:110].strip()))
+        assert "".join(LONG[:110].split()) in "".join(pilot.drawn().replace("10 s", "").split())
+        await pilot.press("f6")
+        assert isinstance(pilot.feed.last(AskTake), AskTake)
+
+
+async def test_what_cannot_be_read_whole_is_shown_before_it_is_taken() -> None:
+    async with piloted_console(size=(80, 24)) as pilot:
+        await told(pilot, ON, offered(1, LONG.strip(), "Two?"))
+        await pilot.press("f6")
+        assert "Proposed by mcp" in pilot.drawn()
+        assert pilot.drawn().count("far") > 15
+        await pilot.press("enter")
+        asked = pilot.feed.last(AskTake)
+        assert isinstance(asked, AskTake)
+        assert (asked.set, asked.text) == ("s1", "")

@@ -16,6 +16,7 @@ from textual.binding import Binding, BindingType
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
 from textual.css.styles import RulesMap
+from textual.geometry import Size
 from textual.screen import ModalScreen
 from textual.strip import Strip
 from textual.style import Style
@@ -96,6 +97,10 @@ class ConsoleApp(Protocol):
     picture_terminal: PictureTerminal | None
     #: Starts the robot process again after it was lost; None if nobody can.
     restart: Callable[[], None] | None
+
+    @property
+    def size(self) -> Size:
+        """Columns and lines of the screen."""
 
     @property
     def dialog(self) -> Dialog | None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from woz_tui.console.drawing.cells import Row, clean, cut, length, spread
+from woz_tui.console.drawing.cells import Row, clean, cut, length, spread, wrap_row
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventContext, EventLine
@@ -46,9 +47,12 @@ def _places(state: ConsoleState, tall: bool) -> int:
 def _rows(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
     settings = state.session.history(ProposalHistory).settings
     logs = settings is not None and "logs" in settings.sources
-    places = places_of(state)[: frame.height - logs]
-    likely = [_likely(state, frame)] if logs else []
-    return [*likely, *(_row(state, frame, place, shown) for place, shown in enumerate(places))]
+    inner = replace(frame, height=frame.height - logs)
+    rows: list[Row] = [_likely(state, frame)] if logs else []
+    for place, shown in enumerate(places_of(state)[: inner.height]):
+        if shown is not None or len(rows) <= place + logs:
+            rows += _place(state, inner, place, shown)
+    return rows
 
 
 def _likely(state: ConsoleState, frame: PaintFrame) -> Row:
@@ -62,13 +66,15 @@ def _likely(state: ConsoleState, frame: PaintFrame) -> Row:
     return cut(row, frame.width, frame.glyphs.ellipsis)
 
 
-def _row(state: ConsoleState, frame: PaintFrame, place: int, shown: ShownItem | None) -> Row:
+def _place(
+    state: ConsoleState, frame: PaintFrame, place: int, shown: ShownItem | None
+) -> list[Row]:
     """Key, who proposes, what, and how long it still waits."""
     glyphs, cap = frame.glyphs, state.own_keys.get(KEYS[place], "")
     if shown is None:
         if place or any(places_of(state)):
-            return ((" ", "plain"),)
-        return ((" nothing is proposed", "muted"),)
+            return [((" ", "plain"),)]
+        return [((" nothing is proposed", "muted"),)]
     offered, item = shown
     who = clean(offered.who) or offered.source
     asks = f"{who} asks: " if offered.approval else f"{who}: "
@@ -79,9 +85,35 @@ def _row(state: ConsoleState, frame: PaintFrame, place: int, shown: ShownItem | 
         more = f" {edits} edit " * bool(edits and item.text) + f" {none} no " * bool(none)
     left = max(0, offered.until - frame.now)
     right: Row = ((more, "muted"), (f" {(left + 999_999) // 1_000_000} s ", "muted"))
-    what: Row = ((item_words(state, item, frame), "strong"),)
-    room = frame.width - length(right)
-    return spread(cut((*front, *what), room, glyphs.ellipsis), right, frame.width, glyphs.ellipsis)
+    row: Row = (*front, (item_words(state, item, frame), "strong"))
+    if length(row) + length(right) > frame.width:  # the sentence before the hints
+        right = right[1:]
+    rest = _below(state, frame, place)
+    first, *more_rows = wrap_row(row, length(front) if rest else 0, frame.width - length(right))
+    if len(more_rows) > rest:
+        first = cut(row, frame.width - length(right), glyphs.ellipsis)
+        more_rows = []
+    return [spread(first, right, frame.width, glyphs.ellipsis), *more_rows]
+
+
+def _below(state: ConsoleState, frame: PaintFrame, place: int) -> int:
+    """Empty rows directly below a place: a long sentence goes on there."""
+    rows = places_of(state)[place + 1 : frame.height]
+    return next((i for i, shown in enumerate(rows) if shown is not None), len(rows))
+
+
+def is_whole(state: ConsoleState, frame: PaintFrame, place: int) -> bool:
+    """Whether the wizard can read all of what stands at a place. `frame`: of the whole screen."""
+    shown = places_of(state)[place]
+    settings = state.session.history(ProposalHistory).settings
+    if shown is None or settings is None:
+        return False
+    rows = _places(state, frame.height >= TALL)
+    if place >= rows:
+        return False
+    placed = _place(state, replace(frame, height=rows), place, shown)
+    seen = "".join(text for row in placed for text, look in row if look == "strong")
+    return "".join(seen.split()) == "".join(item_words(state, shown.item, frame).split())
 
 
 def item_words(state: ConsoleState, item: ProposedItem, frame: PaintFrame) -> str:

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
+from textual.widget import Widget
+from textual.widgets import Static
+
 from woz_tui.console.drawing.cells import clean
-from woz_tui.console.screens.dialog import ConsoleApp, EntryDialog
-from woz_tui.features.proposals.console import EDIT, KEYS, places_of
+from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.screens.dialog import ConsoleApp, EntryDialog, plain
+from woz_tui.features.proposals.console import EDIT, KEYS, is_whole, places_of
 from woz_tui.features.proposals.kinds import AskDismiss, AskTake
 from woz_tui.features.proposals.notes import ShownItem
 
@@ -31,6 +37,10 @@ def _take(app: ConsoleApp, place: int) -> None:
     shown = _at(app, place)
     if shown is None:
         app.news(NOTHING)
+        return
+    width, height = app.size
+    if shown.item.text and not is_whole(app.state, PaintFrame(width, height, 0), place):
+        app.open_dialog(EditProposalDialog(shown))  # nobody takes what she has not read
         return
     key = app.key_of(KEYS[place])
     app.requests.ask(AskTake(set=shown.offered.set, item=shown.item.id, key=key))
@@ -72,6 +82,10 @@ class EditProposalDialog(EntryDialog):
         who = clean(shown.offered.who) or shown.offered.source
         self.heading = f"Proposed by {who}"
         self._shown = shown
+
+    def below(self) -> Iterable[Widget]:
+        """The whole of it, which the field may be too short for."""
+        yield Static(plain(clean(self._shown.item.text)))
 
     @property
     def draft(self) -> str:

@@ -174,6 +174,12 @@ def no_roles() -> dict[str, dict[str, float]]:
     return {}
 
 
+#: The control that moves several joints together and has a setting of its own.
+ZOOM = "zoom"
+#: What of a face a control may move: those that rest in their middle.
+FACE_TARGETS = ("eye-x", "eye-y", "valence", "arousal")
+
+
 @dataclass(frozen=True, slots=True)
 class BodyShape(Section):
     """A whole body: what `Settings` of the driver `body` is built on."""
@@ -188,6 +194,10 @@ class BodyShape(Section):
     ] = field(default_factory=dict)
     zoom: Annotated[
         dict[str, float], Doc("shares of the control `zoom`: joints that it moves together")
+    ] = field(default_factory=dict)
+    controls: Annotated[
+        dict[str, dict[str, float]],
+        Doc("controls of its own, by shares of joints, roles and eyes: {curious: {lean: 1}}"),
     ] = field(default_factory=dict)
     eyes: Annotated[
         Vector, Range(-10, 10, "m"), Doc("from the last joint to the middle between the eyes")
@@ -215,7 +225,28 @@ class BodyShape(Section):
 
     def problems(self) -> list[tuple[str, str]]:
         """What does not fit together: pairs of a setting's path and a sentence."""
-        return [*self._joint_problems(), *self._share_problems(), *self._tracking_problems()]
+        return [
+            *self._joint_problems(),
+            *self._share_problems(),
+            *self._control_problems(),
+            *self._tracking_problems(),
+        ]
+
+    def joint_shares(self, control: str) -> dict[str, float]:
+        """How much of each joint `zoom` or a control of the body's own moves; none at 0."""
+        if control == ZOOM:
+            return {name: share for name, share in self.zoom.items() if share}
+        shares: dict[str, float] = {}
+        for target, share in self.controls[control].items():
+            joints = {target: 1.0} if target in self.joints else self.roles.get(target, {})
+            for name, part in joints.items():
+                shares[name] = shares.get(name, 0.0) + share * part
+        return {name: share for name, share in shares.items() if share}
+
+    def face_shares(self, control: str) -> dict[str, float]:
+        """The same of the face's controls."""
+        of = self.controls.get(control, {})
+        return {name: share for name, share in of.items() if name in FACE_TARGETS}
 
     def _joint_problems(self) -> Iterator[tuple[str, str]]:
         if not self.joints:
@@ -239,6 +270,24 @@ class BodyShape(Section):
             for name in joints:
                 if name not in self.joints:
                     yield f"{path}.{name}", f"no joint is called {name!r}; there are {known}"
+
+    def _control_problems(self) -> Iterator[tuple[str, str]]:
+        for control, targets in self.controls.items():
+            path = f"controls.{control}"
+            if control in self.joints:
+                yield path, f"a joint is called {control!r}, too: its own control has that name"
+            if not targets:
+                yield path, "moves nothing: name joints, roles or eyes, and their shares"
+            for target, share in targets.items():
+                if target in FACE_TARGETS and target not in self.joints:
+                    if self.face is None:
+                        yield f"{path}.{target}", "it has no face"
+                    elif not -1 <= share <= 1:
+                        yield f"{path}.{target}", "a share of the face goes from -1 to 1"
+                elif target not in self.joints and target not in self.roles:
+                    known = ", ".join((*self.joints, *self.roles, *FACE_TARGETS))
+                    text = f"no joint, role or part of the face is called {target!r}"
+                    yield f"{path}.{target}", f"{text}; there are {known}"
 
     def _tracking_problems(self) -> Iterator[tuple[str, str]]:
         sad, home = self.tracking.sad_after, self.tracking.home_after

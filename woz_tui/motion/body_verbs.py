@@ -117,7 +117,7 @@ def body_verbs(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
                     "choice",
                     "which one",
                     required=True,
-                    choices=(*shape.joints, *CONTROLS),
+                    choices=(*shape.joints, *CONTROLS, *shape.controls),
                 ),
                 Argument("value", "number", "to this place", range=_UNIT),
                 Argument("by", "number", "or by so much", range=_BOTH),

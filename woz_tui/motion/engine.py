@@ -384,7 +384,7 @@ class Engine:
         desired = self._joint_controller.desired
         return {
             **{name: desired.place(name) for name in self._shape.joints},
-            "zoom": desired.zoom,
+            **{name: mix.place for name, mix in desired.mixes.items()},
             **self._face.places(),
             **self._personality.places(),
         }
@@ -400,14 +400,22 @@ class Engine:
             sent["clamped"] = {name: wish}
         if name in self._shape.joints:
             self._joint_controller.turn(name, place, f"control {name}")
-        elif name == "zoom":
-            self._joint_controller.turn_zoom(place, "control zoom")
+        elif name in self._joint_controller.desired.mixes:
+            self._turn_mix(name, place)
         elif name in FACE:
             self._face.turn(name, place)
             self._eyes_moved(name.startswith("eye"))
         else:
             self._personality.turn(name, place)
         return InputResult(sent)
+
+    def _turn_mix(self, name: str, place: float) -> None:
+        """A control that moves several joints, and the face where the mode lets it be moved."""
+        self._joint_controller.turn_mix(name, place, f"control {name}")
+        for part, share in self._shape.face_shares(name).items():
+            if is_accepted(CONTROL_KINDS[part], self._joint_controller.mode):
+                self._face.turn(part, 0.5 + share * (place - 0.5))
+                self._eyes_moved(part.startswith("eye"))
 
     # -- modes ----------------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from woz_tui.motion.body_shape import BodyShape
+from woz_tui.motion.body_shape import ZOOM, BodyShape, JointShape
 from woz_tui.motion.easing import PEAK_SPEEDS
 from woz_tui.motion.engine_io import EndedInput
 from woz_tui.motion.modes import Mode
@@ -25,39 +25,85 @@ from woz_tui.motion.pose_sources import (
 from woz_tui.motion.safety import finite_number
 
 # -- desired pose ----------------------------------------------------------------------------------
-# The pose that people want: one angle for each joint, and the zoom on top of them.
+# The pose that people want: one angle for each joint, and what moves several of them on top.
 #
 # It is what the joint controls and every gaze and pose write, what moves are played around, and
 # where the body returns to when a mode ends.
 
 
-class DesiredPose:
-    """The pose wanted, in degrees.
+class ControlMix:
+    """A control that moves several joints together by shares of one angle.
 
-    `zoom` moves several joints together by shares of one angle; when the first of them reaches
-    its limit the others stop too, so that they always move as one.
+    When the first of them reaches its limit the others stop too, so that they always move as one.
+
+    Attributes:
+        value: Where it is wanted, -1..1; 0 is none.
+    """
+
+    def __init__(self, joints: Mapping[str, JointShape], shares: Mapping[str, float]) -> None:
+        self._joints = joints
+        self.shares = shares
+        #: The whole way to one side: half of the narrowest joint's range.
+        self._reach = min(
+            (
+                (joints[name].max - joints[name].min) / 2 / abs(share)
+                for name, share in shares.items()
+            ),
+            default=0.0,
+        )
+        self.value = 0.0
+
+    @property
+    def place(self) -> float:
+        """Place of the control, 0..1; the middle is none."""
+        return (self.value + 1.0) / 2.0
+
+    def followed(self, pose: Mapping[str, float]) -> float:
+        """The value as far as every joint can follow it from `pose`."""
+        low, high = self._range(pose, 1.0)
+        return min(high, max(low, self.value))
+
+    def added(self, pose: Mapping[str, float]) -> dict[str, float]:
+        """The pose with this control on top."""
+        way = self.followed(pose) * self._reach
+        return {
+            name: shape.within(pose[name] + way * self.shares.get(name, 0.0))
+            for name, shape in self._joints.items()
+        }
+
+    def taken_out(self, pose: Mapping[str, float], value: float) -> dict[str, float]:
+        """The pose without this control, which is at `value` from now on, or as near as fits."""
+        low, high = self._range(pose, -1.0)
+        self.value = min(high, max(low, value))
+        return {
+            name: angle - self.value * self._reach * self.shares.get(name, 0.0)
+            for name, angle in pose.items()
+        }
+
+    def _range(self, pose: Mapping[str, float], sign: float) -> tuple[float, float]:
+        """Values, -1..1, that keep `pose + sign * value` inside all ranges; always about 0."""
+        low, high = -1.0, 1.0
+        for name, share in self.shares.items():
+            shape, step = self._joints[name], sign * share * self._reach
+            ends = ((shape.min - pose[name]) / step, (shape.max - pose[name]) / step)
+            low, high = max(low, min(ends)), min(high, max(ends))
+        return min(0.0, low), max(0.0, high)
+
+
+class DesiredPose:
+    """The pose wanted, in degrees: the joints' own controls, then `zoom`, then the controls of the
+    file, each as far as what is left of the joints' ranges lets it.
     """
 
     def __init__(self, shape: BodyShape, pose: Mapping[str, float]) -> None:
         self._joints = shape.joints
-        self._shares = {name: share for name, share in shape.zoom.items() if share}
-        #: The zoom's whole way to one side: half of the narrowest joint's range.
-        self._reach = min(
-            (
-                (self._joints[name].max - self._joints[name].min) / 2 / abs(share)
-                for name, share in self._shares.items()
-            ),
-            default=0.0,
-        )
+        self.mixes = {
+            name: ControlMix(shape.joints, shape.joint_shares(name))
+            for name in (ZOOM, *shape.controls)
+        }
         self._base = {name: joint.within(pose[name]) for name, joint in self._joints.items()}
-        self._zoom = 0.0
         #: Every joint's angle. Do not change it.
         self.pose: Mapping[str, float] = dict(self._base)
-
-    @property
-    def zoom(self) -> float:
-        """Place of the zoom's control, 0..1; the middle is none."""
-        return (self._zoom + 1.0) / 2.0
 
     def place(self, joint: str) -> float:
         """Place of a joint's own control, 0 (its lowest angle) to 1."""
@@ -70,42 +116,28 @@ class DesiredPose:
         self._base[joint] = shape.within(shape.min + place * (shape.max - shape.min))
         self._update()
 
-    def turn_zoom(self, place: float) -> None:
-        """Move the zoom's control."""
-        self._zoom = 2.0 * place - 1.0
+    def turn_mix(self, control: str, place: float) -> None:
+        """Move a control of several joints."""
+        self.mixes[control].value = 2.0 * place - 1.0
         self._update()
 
     def aim(self, angles: Mapping[str, float]) -> None:
-        """Want these angles, zoom included; it gives way where it would not fit."""
-        pose = {**self.pose, **angles}
-        zoom = self._zoom if not self._shares else self._effective()
-        low, high = self._zoom_range(pose, -1.0)
-        self._zoom = min(high, max(low, zoom))
-        for name, angle in pose.items():
-            own = angle - self._zoom * self._reach * self._shares.get(name, 0.0)
-            self._base[name] = self._joints[name].within(own)
+        """Want these angles, mixes included; they give way where they would not fit."""
+        followed, pose = [], dict(self._base)
+        for mix in self.mixes.values():
+            followed.append(mix.followed(pose) if mix.shares else mix.value)
+            pose = mix.added(pose)
+        own = {**self.pose, **angles}
+        for mix, value in reversed([*zip(self.mixes.values(), followed, strict=True)]):
+            own = mix.taken_out(own, value)
+        self._base = {name: self._joints[name].within(angle) for name, angle in own.items()}
         self._update()
 
     def _update(self) -> None:
-        zoom = self._effective() * self._reach
-        self.pose = {
-            name: shape.within(self._base[name] + zoom * self._shares.get(name, 0.0))
-            for name, shape in self._joints.items()
-        }
-
-    def _effective(self) -> float:
-        """The zoom as far as every joint can follow it."""
-        low, high = self._zoom_range(self._base, 1.0)
-        return min(high, max(low, self._zoom))
-
-    def _zoom_range(self, pose: Mapping[str, float], sign: float) -> tuple[float, float]:
-        """Zooms, -1..1, that keep `pose + sign * zoom` inside all ranges; always about 0."""
-        low, high = -1.0, 1.0
-        for name, share in self._shares.items():
-            shape, step = self._joints[name], sign * share * self._reach
-            ends = ((shape.min - pose[name]) / step, (shape.max - pose[name]) / step)
-            low, high = max(low, min(ends)), min(high, max(ends))
-        return min(0.0, low), max(0.0, high)
+        pose: dict[str, float] = self._base
+        for mix in self.mixes.values():
+            pose = mix.added(pose)
+        self.pose = pose
 
 
 def known_angles(shape: BodyShape, present: Mapping[str, float] | None) -> dict[str, float]:
@@ -183,10 +215,10 @@ class JointController:
         self.desired.turn(joint, place)
         self._release_joints({joint}, by)
 
-    def turn_zoom(self, place: float, by: str) -> None:
-        """The zoom's control; in modes it only counts for the way back."""
-        self.desired.turn_zoom(place)
-        self._release_joints({name for name, share in self._shape.zoom.items() if share}, by)
+    def turn_mix(self, control: str, place: float, by: str) -> None:
+        """A control of several joints; in modes it only counts for the way back."""
+        self.desired.turn_mix(control, place)
+        self._release_joints(set(self.desired.mixes[control].shares), by)
 
     def set_angles(self, angles: Mapping[str, float], by: str) -> None:
         """Joints directly, under whatever is being played."""

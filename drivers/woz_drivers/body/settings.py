@@ -118,6 +118,11 @@ class BodySettings(BodyShape):
                     f"joints.{name}",
                     f"every body has a control {name!r}; choose another name for the joint",
                 )
+        for name in self.controls:
+            if not NAME.fullmatch(name):
+                yield f"controls.{name}", NAME_RULE
+            elif name in CONTROLS:
+                yield f"controls.{name}", f"every body has a control {name!r} already"
 
     def _name_problems(self) -> Iterator[tuple[str, str]]:
         if self.moves and not pathlib.Path(self.moves).is_dir():

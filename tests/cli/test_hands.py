@@ -17,8 +17,9 @@ import pytest
 
 from tests.drivers.published_messages import PATIENCE_S
 from tests.fakes.joystick import Joystick
+from tests.fakes.spacenavd import FakeSpacenavd
 from tests.host.rig import ServedSession
-from tests.host.test_controls import session
+from tests.host.test_controls import FILE, session
 from woz_tui.cli import hands, main
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import DriverError, PassiveDriver
@@ -105,6 +106,53 @@ async def test_a_gamepad_plays_and_drives_until_its_program_is_killed(
             assert isinstance(halted, m.StopPressed)
             assert halted.scope == "drive"
     pad.unplug()
+
+
+SIX_AXES = FILE.replace(
+    "    pad:\n      type: hands\n",
+    """    mouse:
+      type: hands
+      device: spacemouse
+      hold: {hold}
+      controls:
+        button-2: {action: Hello}
+        turn-y: {verb: gaze, argument: yaw, range: [-60, 60], rate: 400, hold: button-1}
+        push-z: {verb: drive, argument: x, range: [-2, 2], hold: button-1, every: 1}
+    pad:
+      type: hands
+""",
+)
+
+
+def drives(line: m.Message) -> bool:
+    return isinstance(line, m.Command) and line.verb == "drive"
+
+
+def looks(line: m.Message) -> bool:
+    return isinstance(line, m.Command) and line.verb == "gaze"
+
+
+async def test_a_6_d_mouse_looks_and_drives_while_its_button_is_held(tmp_path: Path) -> None:
+    daemon = FakeSpacenavd(tmp_path / "spnav.sock")
+    async with session(tmp_path, text=SIX_AXES) as (place, reader):
+        reader.leave()
+        words = (str(place.path), "--device", str(daemon.path))
+        async with program(tmp_path, *words) as hands_program:
+            await hands_program.says("button-2 Hello")
+            daemon.push(0, 0, 500, 0, 500)
+            daemon.button(1, down=True)
+            asked = await place.published(lambda line: isinstance(line, m.ActionRequested))
+            assert isinstance(asked, m.ActionRequested)
+            assert (asked.action, asked.source) == ("Hello", "spacemouse")
+            daemon.button(0, down=True)
+            for asks in (drives, looks):
+                command = await place.published(asks)
+                assert isinstance(command, m.Command)
+                assert command.source == "spacemouse"
+            daemon.close()
+            halted = await place.published(lambda line: isinstance(line, m.StopPressed))
+            assert isinstance(halted, m.StopPressed)
+            assert halted.scope == "drive"
 
 
 async def test_a_frozen_program_holds_nothing(tmp_path: Path) -> None:

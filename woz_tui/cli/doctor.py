@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -70,6 +71,12 @@ def add(parser: ArgumentParser) -> None:
         help="this computer is the one that robot files call so: examine the drivers at it",
     )
     parser.add_argument("--json", action="store_true", help="for programs: one JSON object")
+    parser.add_argument(
+        "--bundle",
+        type=Path,
+        metavar="FILE",
+        help="also write this ZIP file, to be sent with a report: without names, addresses, words",
+    )
 
 
 def run(arguments: Namespace) -> int:
@@ -86,7 +93,21 @@ def run(arguments: Namespace) -> int:
         print(_as_json(sections))
     else:
         console.print(_summary(sections))
+    if arguments.bundle is not None and not _bundled(arguments.bundle, sections):
+        return 1
     return 1 if _count(sections, "error") else 0
+
+
+def _bundled(path: Path, sections: list[DoctorSection]) -> bool:
+    from woz_tui.cli.doctor_bundle import Hiding, write_bundle  # noqa: PLC0415 - seldom wanted
+
+    try:
+        write_bundle(path, _all_findings(sections), Hiding.of_here())
+    except OSError as error:
+        print(f"woz doctor: {path}: {error.strerror or error}", file=sys.stderr)
+        return False
+    print(f"woz doctor: {path} is written; look into it before you send it", file=sys.stderr)
+    return True
 
 
 def examine(
@@ -270,16 +291,20 @@ def _count(sections: list[DoctorSection], level: str) -> int:
     return sum(finding.level == level for section in sections for finding in section.findings)
 
 
+def _all_findings(sections: list[DoctorSection]) -> list[dict[str, str]]:
+    return [
+        {"section": section.title, **asdict(finding)}
+        for section in sections
+        for finding in section.findings
+    ]
+
+
 def _as_json(sections: list[DoctorSection]) -> str:
     return json_text(
         {
             "errors": _count(sections, "error"),
             "warnings": _count(sections, "warning"),
-            "findings": [
-                {"section": section.title, **asdict(finding)}
-                for section in sections
-                for finding in section.findings
-            ],
+            "findings": _all_findings(sections),
         },
         indent=2,
     )

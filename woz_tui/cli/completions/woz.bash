@@ -59,7 +59,7 @@ _shtab_woz_export_option_strings=(-h --help --to --out --force --redact-text --p
 _shtab_woz_bundle_option_strings=(-h --help --out --about --study --recode --media --samples --public --force --strict)
 _shtab_woz_participants_option_strings=(-h --help --code --withdraw --copy --by --due --about --yes --json)
 _shtab_woz_methods_option_strings=(-h --help --window --cue-state --all-trials --anew --markdown --about)
-_shtab_woz_doctor_option_strings=(-h --help --recordings --robot --at --json)
+_shtab_woz_doctor_option_strings=(-h --help --recordings --robot --at --json --bundle)
 _shtab_woz_reset_option_strings=(-h --help)
 _shtab_woz_completion_option_strings=(-h --help)
 _shtab_woz_option_strings=(-h --help --version)
@@ -160,6 +160,7 @@ _shtab_woz_participants___about_COMPGEN=_shtab_compgen_files
 _shtab_woz_methods___about_COMPGEN=_shtab_compgen_files
 _shtab_woz_doctor_pos_0_COMPGEN=_shtab_compgen_files
 _shtab_woz_doctor___recordings_COMPGEN=_shtab_compgen_files
+_shtab_woz_doctor___bundle_COMPGEN=_shtab_compgen_files
 
 _shtab_woz_run___pictures_choices=(auto blocks kitty sixel off)
 _shtab_woz_run___theme_choices=(auto dark light 16)

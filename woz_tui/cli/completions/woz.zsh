@@ -294,6 +294,7 @@ _shtab_woz_doctor_options=(
   "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:"
   "--at[this computer is the one that robot files call so\: examine the drivers at it]:NAME:"
   "--json[for programs\: one JSON object]"
+  "--bundle[also write this ZIP file, to be sent with a report\: without names, addresses, words]:FILE:_files"
   ":experiment file, or a robot file (default\: only the machine):_files"
 )
 

@@ -9,7 +9,7 @@ RUN := $(VENV)/.installed-run
 DEV := $(VENV)/.installed-dev
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: help demo test bare quick peers fuzz check licences generated screenshots bench constraints clean
+.PHONY: help demo test bare quick peers fuzz check licences site generated screenshots bench constraints clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -46,6 +46,11 @@ generated: $(DEV)  ## write the pages, schemas and examples that come from the c
 	@$(BIN)/python -m tools.generated
 	@$(BIN)/python -m tests.protocol.examples
 	@$(BIN)/python -m tests.log.story
+
+site: $(DEV)  ## build the documents as a site with search, into build/site, with a program of its own
+	@test -x $(VENV)/site/bin/zensical || { .ci/venv $(VENV)/site && $(VENV)/site/bin/pip install --quiet 'zensical>=0.0.70,<0.2'; }
+	@$(BIN)/python -m tools.docs_tree build/pages
+	@$(VENV)/site/bin/zensical build --clean --strict --config-file mkdocs.yml
 
 screenshots: $(DEV)  ## draw the pictures of the documentation again
 	@$(BIN)/python -m tools.screenshots

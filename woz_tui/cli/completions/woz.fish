@@ -50,8 +50,8 @@ function _shtab_woz_using
   test "$_shtab_woz_cmdpath" = "$argv"
 end
 
-set -g _shtab_woz_commands run demo train attach page host new check robots convert design visitors 'visitors list' 'visitors show' 'visitors add' 'visitors rename' 'visitors profile' 'visitors forget' engagement schema say voices render record-move edit-move hands midi 'midi learn' 'midi show' listen talk bml bridge mcp lsl access 'access new' 'access list' 'access revoke' drivers replay coding compare report export bundle participants methods doctor reset completion
-set -g _shtab_woz_opts_with_value --about --access --address --age-group --as --at --bin --body --bundle --by --certificate --code --coder --coders --condition --conditions --copy --count --count-in --csv --cue-state --days --device --drop --experiment --feedback-port --figures --file --filter --format --from --html --inputs --key --keyboard --keymap --label --language --layer --layout --like --listen --login --loud --max-idle --media --mute --name --offset --on --out --output --participant --participants --passcode-file --pictures --pitch --profile --public --questionnaire --rate --recordings --request --rerun --rerun-wait --robot --samples --seconds --seed --serve --session --sessions --set --share --signs --social-distance --speed --spill --spreadsheet --stale --start-up --stomp --stream --study --template --terminal --theme --threshold --tier --to --told --topics --train-count --turns --unmute --virtual-host --voice --volume --why --window --with --wizard --woz -o
+set -g _shtab_woz_commands run demo train attach page host new check robots convert design visitors 'visitors list' 'visitors show' 'visitors add' 'visitors rename' 'visitors profile' 'visitors forget' engagement schema say voices render record-move edit-move hands midi 'midi learn' 'midi show' listen talk bml bridge mcp suggest lsl access 'access new' 'access list' 'access revoke' drivers replay coding compare report export bundle participants methods doctor reset completion
+set -g _shtab_woz_opts_with_value --about --access --address --age-group --as --at --bin --body --bundle --by --certificate --code --coder --coders --condition --conditions --copy --count --count-in --csv --cue-state --days --device --drop --experiment --feedback-port --figures --file --filter --format --from --html --inputs --key --key-file --keyboard --keymap --label --language --layer --layout --like --listen --login --loud --max-idle --media --mute --name --offset --on --out --output --participant --participants --passcode-file --pictures --pitch --profile --public --questionnaire --rate --recordings --request --rerun --rerun-wait --robot --samples --seconds --seed --serve --session --sessions --set --share --signs --social-distance --speed --spill --spreadsheet --stale --start-up --stomp --stream --study --template --terminal --theme --threshold --tier --to --told --topics --train-count --turns --unmute --virtual-host --voice --volume --why --window --with --wizard --woz -o
 
 complete -c woz -e
 complete -c woz -f
@@ -370,6 +370,10 @@ complete -c woz -n '_shtab_woz_using bridge' -l virtual-host -x -d 'the broker'"
 complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a mcp -d 'offer a running session to an assistant, as tools (Model Context Protocol)'
 complete -c woz -n '_shtab_woz_using mcp' -s h -l help -d 'show this help message and exit'
 complete -c woz -n '_shtab_woz_using mcp' -l access -xka "(__fish_complete_path (commandline -ct))" -d 'join a session on another machine with this access file (see `woz access`)'
+complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a suggest -d 'ask a language model for sentences that the wizard may take'
+complete -c woz -n '_shtab_woz_using suggest' -s h -l help -d 'show this help message and exit'
+complete -c woz -n '_shtab_woz_using suggest' -l access -xka "(__fish_complete_path (commandline -ct))" -d 'join a session on another machine with this access file (see `woz access`)'
+complete -c woz -n '_shtab_woz_using suggest' -l key-file -xka "(__fish_complete_path (commandline -ct))" -d 'a file (mode 600) with the server'"'"'s key; else $WOZ_SUGGEST_KEY'
 complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a lsl -d 'send a session to a lab'"'"'s recorder, and take other programs'"'"' streams (Lab Streaming Layer)'
 complete -c woz -n '_shtab_woz_using lsl' -s h -l help -d 'show this help message and exit'
 complete -c woz -n '_shtab_woz_using lsl' -l access -xka "(__fish_complete_path (commandline -ct))" -d 'join a session on another machine with this access file (see `woz access`)'
@@ -468,6 +472,8 @@ complete -c woz -n '_shtab_woz_using participants' -l code -x -d 'list every fil
 complete -c woz -n '_shtab_woz_using participants' -l withdraw -d 'with --code: take out all that is kept of this participant; asks first'
 complete -c woz -n '_shtab_woz_using participants' -l copy -xka "(__fish_complete_path (commandline -ct))" -d 'with --code: copy what is kept of this participant, without others, to hand it over'
 complete -c woz -n '_shtab_woz_using participants' -l by -x -d 'for the record: who does it (default: this user)'
+complete -c woz -n '_shtab_woz_using participants' -l due -d 'list what is kept longer than --about says; nothing is deleted'
+complete -c woz -n '_shtab_woz_using participants' -l about -xka "(__fish_complete_path (commandline -ct))" -d 'with --due: the file with retention: {media: 30 d, logs: 10 y} (default: about.yaml)'
 complete -c woz -n '_shtab_woz_using participants' -l yes -d 'do not ask for confirmation'
 complete -c woz -n '_shtab_woz_using participants' -l json -d 'one object, for programs'
 complete -c woz -n '_shtab_woz_using participants; and test $_shtab_woz_npos -ge 0' -ka "(__fish_complete_path (commandline -ct))" -d 'folders to search, with all below (default: recordings)'

@@ -63,4 +63,4 @@ def test_one_that_is_not_there_is_told_with_the_nearest(
     assert cli.main(["new", str(tmp_path / "x.yaml"), "--from", "demmo"]) == 1
     assert "did you mean 'demo'?" in capsys.readouterr().err
     assert cli.main(["new"]) == 2
-    assert "name the new file" in capsys.readouterr().err
+    assert "a new experiment needs a name" in capsys.readouterr().err

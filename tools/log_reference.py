@@ -291,6 +291,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     ),
     "unwritten_since": ("µs", "moment, on the `t` axis, since which no folder took the log"),
     "values": ("", "by name: see the line's description"),
+    "ticked": ("", "of several choices: what is stored of each that was chosen"),
     "via": ("", "name of the access file with which it came from another machine"),
     "variables": ("", "what may stand in braces in an utterance"),
     "verb": ("", "what to do: `say`, `play`, `pose` ..."),

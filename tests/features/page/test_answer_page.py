@@ -358,7 +358,7 @@ async def test_items_of_every_kind_without_javascript(tmp_path: Path) -> None:
         await send(browser, page, what="done")
         await shows(browser, "Thank you!")
     told = [line for line in stage.host.lines if isinstance(line, QuestionnaireAnswered)]
-    assert [(line.item, line.value, line.values, line.text, line.reason) for line in told] == [
+    assert [(line.item, line.value, line.ticked, line.text, line.reason) for line in told] == [
         ("natural", 2.0, [], "", ""),
         ("effort", 15.0, [], "", ""),
         ("often", None, [], "", "does_not_apply"),

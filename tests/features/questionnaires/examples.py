@@ -54,7 +54,7 @@ MESSAGES = (
         questionnaire="robot",
         item="known",
         question="Which robots have you used?",
-        values=[1, 6],
+        ticked=[1, 6],
         text="a mower",
         answered_us=4_000_000,
         given="browser",
@@ -68,6 +68,6 @@ REQUESTS = (
     AskQuestionnaire(ref=31, questionnaire="robot", what="declined"),
     AskAnswer(ref=26, questionnaire="robot", item="friendly", value=6.0, answered_us=2_300_000),
     AskAnswer(ref=27, questionnaire="robot", item="else", skipped=True, reason="prefer_not"),
-    AskAnswer(ref=33, questionnaire="robot", item="known", values=[1, 6], given="browser"),
+    AskAnswer(ref=33, questionnaire="robot", item="known", ticked=[1, 6], given="browser"),
     AskAnswer(ref=32, questionnaire="robot", item="else", text="it blinked"),
 )

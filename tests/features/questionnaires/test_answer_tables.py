@@ -35,7 +35,7 @@ ANSWERS: dict[str, dict[str, Any]] = {
     "often": {"skipped": True, "reason": "does_not_apply"},
     "marked": {"value": 2.0},
     "known": {"value": 1.0},
-    "which": {"values": [1, 6], "text": "Anna's mower"},
+    "which": {"ticked": [1, 6], "text": "Anna's mower"},
     "age": {"value": 31.0, "given": "own_terminal"},
     "since": {"text": "2026-11"},
     "words": {"text": "Anna was kind", "private": True},

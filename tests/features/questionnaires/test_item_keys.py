@@ -142,7 +142,7 @@ async def test_several_choices_and_one_in_words(size: tuple[int, int]) -> None:
         await pilot.type("a mower")
         await pilot.press("enter")
         told = answers(pilot)[-1]
-        assert (told.values, told.text) == ([1, 6], "a mower")
+        assert (told.ticked, told.text) == ([1, 6], "a mower")
 
 
 async def test_going_back_and_answering_otherwise_closes_what_hung_on_it() -> None:

@@ -100,7 +100,7 @@ def test_answers_of_every_kind(tmp_path: Path) -> None:
         answer(rig, "effort", 35)
         answer(rig, "often", skipped=True, reason="does_not_apply")
         answer(rig, "known", 1)
-        answer(rig, "which", values=[1, 6], text="ein Mäher")
+        answer(rig, "which", ticked=[1, 6], text="ein Mäher")
         answer(rig, "since", text="2026-11")
         answer(rig, "words", text="Anna", given="browser")
         answer(rig, "hard", 20)
@@ -111,7 +111,7 @@ def test_answers_of_every_kind(tmp_path: Path) -> None:
     assert (started.language, started.title) == ("de", "Wie war der Roboter?")
     told = {line.item: line for line in rig.lines if isinstance(line, QuestionnaireAnswered)}
     assert told["natural"].question == "Der Roboter war fake - natürlich"
-    assert (told["which"].values, told["which"].text) == ([1, 6], "ein Mäher")
+    assert (told["which"].ticked, told["which"].text) == ([1, 6], "ein Mäher")
     assert (told["words"].private, told["known"].private) == (True, False)
     assert (told["words"].given, told["known"].given) == ("browser", "read_aloud")
 
@@ -125,7 +125,7 @@ def test_answers_of_every_kind(tmp_path: Path) -> None:
         ("often", None, {"skipped": True, "reason": "prefer_not"}, "does not offer that"),
         ("known", 4, {}, "expected one of [1, 2, 3]"),
         ("known", 1, {"text": "no"}, "no text is wanted here"),
-        ("which", None, {"values": [1]}, "'which' is not asked"),
+        ("which", None, {"ticked": [1]}, "'which' is not asked"),
         ("since", None, {"text": "2026-13"}, "expected a month"),
         ("page-1", 1, {}, "an instruction has no answer"),
         ("age", 17, {}, "expected a whole number from 18 to 99"),

@@ -204,7 +204,7 @@ def _read_choices(
         raise UnreadAnswerError(words.other)
     if len(text) > LONGEST:
         raise UnreadAnswerError(words.too_long.format(most=LONGEST))
-    return {"values": chosen, "text": text} if several else {"value": chosen[0], "text": text}
+    return {"ticked": chosen, "text": text} if several else {"value": chosen[0], "text": text}
 
 
 # -- months and instructions ----------------------------------------------------------------------

@@ -77,7 +77,7 @@ class OpenQuestionnaire:
 def answer_told(told: QuestionnaireAnswered | AskAnswer) -> ItemAnswer:
     """An answer as a message has it."""
     value = None if told.value is None else round(told.value)
-    return ItemAnswer(value, told.text, told.skipped, tuple(told.values), told.reason)
+    return ItemAnswer(value, told.text, told.skipped, tuple(told.ticked), told.reason)
 
 
 def items_of(told: object) -> tuple[QuestionnaireItem, ...]:

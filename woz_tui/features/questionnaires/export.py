@@ -65,5 +65,5 @@ EXPORT = FeatureExport(
         },
     },
     begun=("questionnaire",),
-    private={"questionnaire.answered": ("value", "values", "text")},
+    private={"questionnaire.answered": ("value", "ticked", "text")},
 )

@@ -215,7 +215,7 @@ class QuestionnaireController(SessionFeature):
                 text=request.text,
                 answered_us=max(request.answered_us, -1),
                 skipped=request.skipped,
-                values=request.values,
+                ticked=request.ticked,
                 reason=request.reason,
                 given=(request.given if request.given in GIVEN else given) or started.given,
                 private=item.private,
@@ -252,7 +252,7 @@ def _check_skipped(request: AskAnswer, item: QuestionnaireItem) -> None:
     if reason not in ways_out(item):
         unless = "does not offer that" if request.reason else "needs an answer"
         raise RequestError(f"{request.item!r} {unless}", "or end it as declined")
-    if request.value is not None or request.values or request.text:
+    if request.value is not None or request.ticked or request.text:
         raise RequestError("a skipped item cannot have an answer")
 
 
@@ -263,11 +263,11 @@ def _check_answer(request: AskAnswer, item: QuestionnaireItem) -> None:
     if len(request.text) > LONGEST:
         raise RequestError(f"an answer can have at most {LONGEST} characters")
     if item.asks in ("text", "month"):
-        if value is not None or request.values:
+        if value is not None or request.ticked:
             raise RequestError(f"{request.item!r} needs a text as its answer")
         if not request.text.strip():
             raise RequestError("the answer is empty")
-    elif item.asks in NUMBERS and (request.text or request.values):
+    elif item.asks in NUMBERS and (request.text or request.ticked):
         raise RequestError(f"{request.item!r} needs a number as its answer")
     elif value is not None and value != round(value):
         raise RequestError(f"expected a whole number from {item.low} to {item.high}, not {value}")

@@ -28,7 +28,7 @@ class QuestionnaireStarted(Message, frozen=True, kw_only=True, tag="questionnair
 
 
 class QuestionnaireAnswered(Message, frozen=True, kw_only=True, tag="questionnaire.answered"):
-    """One answer: a number (of the item's scale, or a choice's), several of them (`values`) or a
+    """One answer: a number (of the item's scale, or a choice's), several of them (`ticked`) or a
     text. A later answer to the same item of the same round replaces it. `answered_us`: from the
     item's being shown. `skipped`: left out on purpose, because of the `reason` (does_not_apply,
     prefer_not; empty: none). `given`: by whom (self: at the wizard's screen, read_aloud,
@@ -42,7 +42,7 @@ class QuestionnaireAnswered(Message, frozen=True, kw_only=True, tag="questionnai
     text: str = ""
     answered_us: int = -1
     skipped: bool = False
-    values: list[int] = []
+    ticked: list[int] = []
     reason: str = ""
     given: str = ""
     private: bool = False
@@ -79,7 +79,7 @@ class AskAnswer(Request, frozen=True, kw_only=True, tag="answer"):
     text: str = ""
     answered_us: int = -1
     skipped: bool = False
-    values: list[int] = []
+    ticked: list[int] = []
     reason: str = ""
     given: str = ""
 

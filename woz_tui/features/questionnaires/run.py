@@ -489,7 +489,7 @@ class QuestionnaireRun:
             text=answer.text,
             answered_us=max(0, self._now_us() - self._shown_us),
             skipped=answer.skipped,
-            values=[*answer.values],
+            ticked=[*answer.values],
             reason=answer.reason,
         )
         self.asked.answers[item.name] = answer

@@ -524,9 +524,14 @@ class SessionFeatures:
         return found
 
     def check_given(self, action: str, given: GivenValues) -> GivenValues:
-        """Values that came with a request, as they are said. Raises `RequestError`."""
-        for name, feature in [*self._with["check_given"].items()]:
+        """Values that came with a request, as they are said. Raises `RequestError`, also where no
+        feature is left that checks them: unchecked, they could be any variable.
+        """
+        checking = [*self._with["check_given"].items()]
+        for name, feature in checking:
             given = self._answer(name, feature.check_given, given, action, given)
+        if not checking or len(checking) > len(self._with["check_given"]):
+            raise RequestError("values that come with a request cannot be checked", IN_HOST_LOG)
         return given
 
     def filled(self, run: str, action: Action, given: GivenValues) -> None:

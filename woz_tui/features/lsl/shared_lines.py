@@ -11,6 +11,7 @@ from typing import Any
 import msgspec
 
 from woz_tui.export.redaction import redacted
+from woz_tui.features.people.kinds import ParticipantDescribed
 from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered
 from woz_tui.protocol import messages as m
 
@@ -39,6 +40,8 @@ class SharedLines:
         if isinstance(message, _OF_FILE):
             return None
         if isinstance(message, m.ConditionsAssigned) and "conditions" not in self._shares:
+            return None
+        if isinstance(message, ParticipantDescribed) and "codes" not in self._shares:
             return None
         if isinstance(message, QuestionnaireAnswered) and (
             message.private or "texts" not in self._shares

@@ -42,12 +42,15 @@ class PeopleInSession(SessionFeature):
             return VariableValues({})
         told = known_fields(self.session.state)
         names = {f"{CODE}.{name}": name for name in self._known.fields}
+        described = self.session.state.history(PeopleHistory).described
+        said = described.get(self.session.identity.participant)
+        tells = said.tells if said is not None else ("identity",)
         return VariableValues(
             {variable: told[name] for variable, name in names.items() if name in told},
             why=dict.fromkeys(
                 names, "nothing is known of it; enter it with the participant's code"
             ),
-            tells=dict.fromkeys(names, ("identity",)),
+            tells=dict.fromkeys(names, tells),
         )
 
     def carry_out(self, request: AskDescribe, client: Client) -> str:
@@ -63,7 +66,7 @@ class PeopleInSession(SessionFeature):
             except SlotValueError as error:
                 raise RequestError(f"{name} {error}") from error
         source = "wizard" if client.role == "wizard" else "program"
-        self._publish(request.participant, fields, source)
+        self._publish(request.participant, fields, source, client.tells)
         return ""
 
     def _fields_of(self, participant: str) -> Mapping[str, str]:
@@ -82,11 +85,20 @@ class PeopleInSession(SessionFeature):
         if code and row and (said is None or (said.source == TABLE and said.fields != row)):
             self._publish(code, row, TABLE)
 
-    def _publish(self, participant: str, fields: Mapping[str, str], source: str) -> None:
+    def _publish(
+        self,
+        participant: str,
+        fields: Mapping[str, str],
+        source: str,
+        tells: tuple[str, ...] = (),
+    ) -> None:
         known = {name: value for name, value in fields.items() if value}
         self.session.hub.publish(
             ParticipantDescribed(
-                participant=participant, fields=known, source=source, tells=("identity",)
+                participant=participant,
+                fields=known,
+                source=source,
+                tells=("identity", *tells),
             )
         )
         asyncio.get_running_loop().call_soon(self.session.values_changed)

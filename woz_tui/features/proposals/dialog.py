@@ -39,8 +39,12 @@ def _take(app: ConsoleApp, place: int) -> None:
         app.news(NOTHING)
         return
     width, height = app.size
-    if shown.item.text and not is_whole(app.state, PaintFrame(width, height, 0), place):
-        app.open_dialog(EditProposalDialog(shown))  # nobody takes what she has not read
+    if not is_whole(app.state, PaintFrame(width, height, 0), place):
+        # Nobody takes what she has not read.
+        if shown.item.text:
+            app.open_dialog(EditProposalDialog(shown))
+        else:
+            app.news("It is cut here: make the window wider to read it whole, then take it")
         return
     key = app.key_of(KEYS[place])
     app.requests.ask(AskTake(set=shown.offered.set, item=shown.item.id, key=key))

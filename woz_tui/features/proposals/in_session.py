@@ -89,6 +89,8 @@ class ProposalsInSession(SessionFeature):
         self._count = 0
         #: The connection of which something happens now because the wizard approved it.
         self._approved = ""
+        #: Of what was approved and has not ended, by its run: the connection, and what it is.
+        self._waiting: dict[str, tuple[str, str]] = {}
         self._likely = LikelyActs(session, self._offer_likely)
         #: Whether an item is being taken: what is played then is no other act.
         self._taking = False
@@ -148,7 +150,7 @@ class ProposalsInSession(SessionFeature):
             for console in self.session.state.consoles
             if (found := self._rights(console)) is not None
         }
-        return ApprovalFact(rights, self._approved)
+        return ApprovalFact(rights, self._approved, [*self._waiting.values()])
 
     def _rights(self, console: str) -> ProgramRights | None:
         """Of a program that proposes something."""
@@ -395,7 +397,14 @@ class ProposalsInSession(SessionFeature):
             self._approved = ""
         if not reply.ok:
             raise RequestError(reply.reason, reply.hint)
+        if reply.run:
+            name = asked.verb if isinstance(asked, r.AskVerb) else asked.action
+            self._waiting[reply.run] = found.console, name
         return reply.run
+
+    def _ended(self, message: m.ActionEnd | m.End) -> None:
+        run = message.run if isinstance(message, m.ActionEnd) else message.command
+        self._waiting.pop(run, None)
 
     def _close(self, name: str) -> _OpenSet | None:
         found = self._open.pop(name, None)
@@ -479,6 +488,8 @@ class ProposalsInSession(SessionFeature):
 
     hears: ClassVar[Mapping[type[m.Message], Any]] = {
         m.StopPressed: _stopped,
+        m.ActionEnd: _ended,
+        m.End: _ended,
         m.ActionRequested: _acted,
         m.Command: _sent,
         m.SpeechText: _heard,

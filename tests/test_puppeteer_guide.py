@@ -26,7 +26,7 @@ COMMANDS = [
     for guide in GUIDES.values()
     for block in re.findall(r"```sh\n(.*?)```", guide, re.DOTALL)
     for line in block.splitlines()
-    if line.startswith("woz render") and "--inputs" not in line
+    if line.startswith("woz render") and "--inputs" not in line and "--watch" not in line
 ]
 
 

@@ -30,11 +30,13 @@ ELSEWHERE = re.compile(r"there is no (action|panel|condition) '|'(Gestures|photo
 #: Pieces that do not load by themselves, by page and first line.
 NOT_ALONE = {
     ("engagement-sound.md", "- {key: z, label: Learn the room"): "needs a microphone",
+    ("instruments.md", "questionnaires:"): "its files are copied; tests of instruments load them",
     ("live-sound.md", "- {key: f, label: Film"): "needs a camera",
     ("ros.md", "sensors:"): "settings of a driver, which tests/drivers/ros loads",
     ("several-computers.md", "title:"): "tests/e2e/test_several_computers.py loads it",
     ("several-wizards.md", "panels:"): "its actions are dots",
     ("speech-programs.md", "- {key: h, label: Hello"): "needs a voice with languages",
+    ("pepper.md", "- {key: t, label: Be lively"): "needs a Pepper",
     ("puppeteer.md", "title:"): "tests/test_puppeteer_guide.py loads it",
     ("puppeteer.md", "profiles:"): "tests/test_puppeteer_guide.py loads it",
 }

@@ -19,7 +19,7 @@ async def test_the_log_says_what_a_console_is_welcomed_with(tmp_path: Path) -> N
         welcome = await peer.hello()
         (plan,) = (line for line in host.of(m.SessionPlan))
         told = msgspec.json.decode(codec.encode(plan))
-        own = {"kind", "seq", "t", "ts", "settings"}
+        own = {"kind", "seq", "t", "ts", "settings", "simulated"}
         assert {name: value for name, value in told.items() if name not in own}.items() <= (
             welcome.items()
         )

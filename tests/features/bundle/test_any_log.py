@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.example_counts import many
 from tests.export.logs import Timed, courses, write
 from tests.features.bundle.deposited import NAME, bundled, course_of
 
@@ -21,7 +22,7 @@ pytestmark = pytest.mark.safety
 NAMES = st.text(st.sampled_from("qxzäßéøñłж"), min_size=6, max_size=9)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=many(8), deadline=None)
 @given(courses())
 def test_tables_of_any_log_are_valid(course: Sequence[Timed]) -> None:
     with tempfile.TemporaryDirectory() as place:
@@ -32,7 +33,7 @@ def test_tables_of_any_log_are_valid(course: Sequence[Timed]) -> None:
         assert report.flatten(["rowNumber", "fieldName", "type", "message"]) == []
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=many(5), deadline=None)
 @given(NAMES)
 def test_a_name_that_was_said_is_in_no_byte(name: str) -> None:
     with tempfile.TemporaryDirectory() as place:

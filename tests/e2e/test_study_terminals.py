@@ -76,6 +76,7 @@ def test_a_trial_and_what_is_asked_after_it(lab: Lab) -> None:
     wizard.send("d")
     log.wait("trial.ended", outcome="done")
     wizard.wait_text("At the participant's terminal")
+    wizard.send(DOWN)  # behind reading it aloud and turning the screen round
     wizard.send(DOWN)
     wizard.send("\r")
     log.wait("questionnaire.started", questionnaire="quick")

@@ -117,6 +117,10 @@ def write_bundle(
         return _Bundle(folder, options, materials).write(sources)
 
 
+def _name_of_copy(copied: tuple[LogSource, Path]) -> str:
+    return copied[1].name
+
+
 class _Bundle:
     def __init__(
         self, folder: OutputFolder, options: BundleOptions, materials: StudyMaterials
@@ -141,6 +145,8 @@ class _Bundle:
     def write(self, sources: Sequence[LogSource]) -> BundleResult:
         published = PublishedLine(self._codes, self._withheld)
         copies = copy_sessions(sources, self._folder, _LOGS, published)
+        if self._codes:  # the order of days would lead from new codes to old ones
+            copies.sort(key=_name_of_copy)
         self._copy_media(copies)
         logs = [LogSource(files_of(copy, [])) for _, copy in copies]
         self._tables(logs)

@@ -26,7 +26,7 @@ from woz_tui.system.text_cleaning import cell
 
 #: What tells rows of `answers` apart.
 _KEYS = (
-    Variable(ANSWERS, "participant", "code of the participant, drawn for this bundle", "string"),
+    Variable(ANSWERS, "participant", "code of the participant", "string"),
     Variable(ANSWERS, "session", "code of the session", "string"),
     Variable(
         ANSWERS, "condition", "what it was asked about; empty: once, about no condition", "string"

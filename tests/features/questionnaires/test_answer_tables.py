@@ -198,3 +198,15 @@ def test_bids_names_what_items_ask(tmp_path: Path) -> None:
         == "The robot was listening to me (1 = never; 2 = seldom; 3 = often)"
     )
     assert {*said["missing"]["Levels"]} == {"does_not_apply", "private", "not_shown"}
+
+
+def test_what_depends_on_a_private_answer_keeps_its_own(tmp_path: Path) -> None:
+    told = [
+        (t, replace(each, private=True))
+        if isinstance(each, QuestionnaireAnswered) and each.item == "known"
+        else (t, each)
+        for t, each in course()
+    ]
+    found = by_item(course_to(tmp_path, "csv", told))
+    assert (found["known"]["value"], found["known"]["missing"]) == ("", "private")
+    assert (found["which"]["choices"], found["which"]["missing"]) == ("1;6", "")

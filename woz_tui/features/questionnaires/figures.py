@@ -287,7 +287,9 @@ def _suspected(rows: Sequence[AnswerRow]) -> str:
     parts = [f"{labels.get(value, f'{value:g}')} {times(count)}" for value, count in told.items()]
     words = sum(each.value is None and bool(each.text or each.values) for each in rows)
     parts += [f"in words {times(words)}"] if words else []
-    none = len(rows) - told.total() - words
+    private = sum(each.reason == "private" for each in rows)
+    parts += [f"private {times(private)}"] if private else []
+    none = len(rows) - told.total() - words - private
     parts += [f"none {times(none)}"] if none else []
     return (
         "Whether a wizard was suspected was asked"
@@ -353,7 +355,7 @@ def answers(timeline: Timeline) -> Iterator[AnswerRow]:
     private is in none of them; nor what a later answer has ruled out.
     """
     for each, number, counts in _rounds(timeline):
-        asked = {item.name for item in asked_items(_items(each).values(), _told(each))}
+        asked = _asked(each)
         for answer in each.answers.values():
             if answer.item not in asked and answer.item in _items(each):
                 continue
@@ -389,14 +391,34 @@ def unanswered_items(timeline: Timeline) -> Iterator[AnswerRow]:
     out were not shown; of others, how the round ended says why.
     """
     for each, number, counts in _rounds(timeline):
-        asked = {item.name for item in asked_items(_items(each).values(), _told(each))}
+        asked = _asked(each)
         ended = each.ended.reason if each.ended is not None else "left"
         for name, item in _items(each).items():
             if item.asks == "page" or (name in asked and name in each.answers):
                 continue
             row = _row(timeline, each, number, name, counts=counts)
             why = NOT_SHOWN if name not in asked else SKIPPED if ended == "done" else ended
+            if item.only_if is not None and item.only_if.item in _kept_back(each):
+                why = "private"  # whether it was shown would tell the answer
             yield replace(row, t=each.end or each.begin, reason=why, question=wording(item))
+
+
+def _asked(each: QuestionnaireEpisode) -> set[str]:
+    """Names of the questions of a round that no earlier answer has ruled out."""
+    asked = asked_items(_items(each).values(), _told(each), _kept_back(each))
+    return {item.name for item in asked}
+
+
+def _kept_back(each: QuestionnaireEpisode) -> set[str]:
+    """Items of a round whose answer was given, and is not in this copy of the log."""
+    return {
+        answer.item
+        for answer in each.answers.values()
+        if answer.private
+        and not answer.skipped
+        and answer.value is None
+        and not (answer.text or answer.ticked)
+    }
 
 
 def _row(

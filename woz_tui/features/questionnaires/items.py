@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from msgspec.structs import replace
@@ -49,11 +49,19 @@ Answers = Mapping[str, ItemAnswer]
 # -- what is asked ---------------------------------------------------------------------------------
 
 
-def asked_items(items: Iterable[QuestionnaireItem], answers: Answers) -> list[QuestionnaireItem]:
-    """Those that these answers do not rule out, instructions included."""
+def asked_items(
+    items: Iterable[QuestionnaireItem], answers: Answers, unknown: Collection[str] = ()
+) -> list[QuestionnaireItem]:
+    """Those that these answers do not rule out, instructions included. `unknown`: items whose
+    answers are kept back; what depends on one of them was asked if it has an answer.
+    """
     found: dict[str, QuestionnaireItem] = {}
     for item in items:
-        if item.only_if is None or (item.only_if.item in found and _holds(item, answers)):
+        rule = item.only_if
+        if rule is None or (
+            rule.item in found
+            and (_holds(item, answers) or (rule.item in unknown and item.name in answers))
+        ):
             found[item.name] = item
     return [*found.values()]
 

@@ -365,7 +365,7 @@ async def test_doctor_says_a_word_with_it(rig: SpeechRig, journal: Path) -> None
     for behaviour, level in (("ok", "ok"), ("unloadable", "error")):
         voice = command(journal, behaviour)
         settings = rig.settings(synthesise="", resident_voice=voice, cache=str(rig.folder / level))
-        finding, _ = await Speech.examine(Probe("voice", settings, rig.folder))
+        finding, *_ = await Speech.examine(Probe("voice", settings, rig.folder))
         assert finding.level == level
         await until(lambda: processes(journal) == [])
 
@@ -375,7 +375,7 @@ async def test_doctor_does_not_call_slow_loading_an_error(
 ) -> None:
     monkeypatch.setattr(doctor, "_PATIENCE_S", 0.2)
     settings = rig.settings(synthesise="", resident_voice=command(journal, "slow"))
-    finding, _ = await Speech.examine(Probe("voice", settings, rig.folder))
+    finding, *_ = await Speech.examine(Probe("voice", settings, rig.folder))
     assert finding.level == "warning"
     assert processes(journal) == []
 

@@ -70,7 +70,7 @@ class MarkerWords:
             for verb in description.verbs
             if verb.arguments and verb.arguments[0].choices
         }
-        self._texts = texts
+        self.texts = texts
         self._commands: OrderedDict[str, _Under] = OrderedDict()
         self._runs: OrderedDict[str, _Under] = OrderedDict()
 
@@ -102,7 +102,7 @@ class MarkerWords:
             case m.StopReleased():
                 yield MarkerWord(t, "stop/released")
             case m.Marker(source=source) if source not in m.AUTOMATIC_MARKERS:
-                text = f"/{name(message.text)}" if self._texts and message.text.strip() else ""
+                text = f"/{name(message.text)}" if self.texts and message.text.strip() else ""
                 yield MarkerWord(message.moment, f"mark{text}")
             case m.Mistake():
                 yield MarkerWord(t, f"mistake/{name(message.action)}")

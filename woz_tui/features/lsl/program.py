@@ -66,7 +66,8 @@ class SessionSender:
             "experiment_sha256": start.experiment_sha256 if start is not None else "",
         }
         self._outlets = Outlets(lsl, adopted.prefix, session, about, self._stamp)
-        self._lines = SharedLines(adopted.shares)
+        self._shares = frozenset(adopted.shares)
+        self._lines = SharedLines(self._shares)
         self._words = MarkerWords(client.description, texts="texts" in adopted.shares)
         self._inlets = Inlets(lsl, self._took, self._told)
         self._tied = 0.0
@@ -126,8 +127,13 @@ class SessionSender:
         self._outlets.push(MARKERS, text, t)
 
     def _adopt(self, adopted: LslAdopted) -> None:
-        """The file was read again. What is shared stays as it was: recorders know it so."""
+        """The file was read again. What it does not share any more does not leave any more; what it
+        shares besides leaves after the next start: recorders know these streams as they are.
+        """
         self._adopted = adopted
+        self._shares &= frozenset(adopted.shares)
+        self._lines = SharedLines(self._shares)
+        self._words.texts = "texts" in self._shares
         self._open()
 
     async def _look(self) -> None:

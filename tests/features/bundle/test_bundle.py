@@ -271,6 +271,17 @@ def test_sound_is_there_by_choice_and_agreement(tmp_path: Path) -> None:
     assert [path.name for path in sounds] == ["0001.wav"] * 3
 
 
+def test_new_codes_do_not_lead_back(tmp_path: Path) -> None:
+    """With the seed of a session the code of a shuffled order can be found by trying all."""
+    bundled(recorded(tmp_path / "r"), tmp_path / "osf", ABOUT, recode=True)
+    logs = [
+        path
+        for path in sorted((tmp_path / "osf" / "data" / "logs").glob("*.jsonl"))
+        if ".samples." not in path.name
+    ]
+    assert {json.loads(path.read_bytes().splitlines()[0])["seed"] for path in logs} == {0}
+
+
 def test_words_that_get_in_all_the_same_stop_it(tmp_path: Path) -> None:
     """As a label that somebody has typed would: here, the name of an action that no file has."""
     recordings = recorded(tmp_path / "r")

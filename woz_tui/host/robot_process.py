@@ -107,7 +107,7 @@ def run(options: HostOptions) -> int:
     looked_up.start()
     catalogue = installed()
     experiment = _read(options, catalogue)
-    withdrawn, _ = _withdrawn(options.recordings)
+    withdrawn, doubt = _withdrawn(options.recordings)
     if options.restarted:
         options = _without_refused(options, experiment, withdrawn)
     _check_identity(options.identity, experiment, withdrawn)
@@ -121,7 +121,9 @@ def run(options: HostOptions) -> int:
     identity = _kind(options).identity(options.identity, experiment)
     options = replace(options, identity=identity)
     looked_up.join()
-    return asyncio.run(_serve(options, catalogue, experiment, plan))
+    return asyncio.run(
+        _serve(options, catalogue, experiment, plan, withdrawn=withdrawn, doubt=doubt)
+    )
 
 
 def _kind(options: HostOptions) -> SessionKind:
@@ -229,6 +231,9 @@ async def _serve(
     catalogue: Catalogue,
     experiment: Experiment,
     plan: RerunPlan | None,
+    *,
+    withdrawn: frozenset[str],
+    doubt: str,
 ) -> int:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed terminal does not end the session
     clock = RealClock()
@@ -240,7 +245,6 @@ async def _serve(
 
     identity, path, listener, recorder = _begin_files(options, clock, recorder_moved)
     drivers = _kind(options).drivers(catalogue)
-    withdrawn, doubt = _withdrawn(options.recordings)
     session = Session(experiment, drivers, identity, recorder, clock, withdrawn)
     sessions.append(session)
     participants: set[str] = set()

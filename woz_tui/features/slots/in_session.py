@@ -41,10 +41,12 @@ class SlotsInSession(SessionFeature):
     @property
     def _kept(self) -> dict[str, SlotFilled]:
         """Of slots that the file still has."""
-        kept = kept_values(self.session.state) if self._slots else {}
+        kept = kept_values(self.session.state)
         return {name: line for name, line in kept.items() if name in self._slots}
 
     def values(self) -> VariableValues:
+        if not self._slots:
+            return VariableValues({})
         kept = self._kept
         empty = "a wizard or a program fills it in when it is played"
         return VariableValues(
@@ -78,6 +80,8 @@ class SlotsInSession(SessionFeature):
         return GivenValues(values, sources, tells, given.took_us, given.by_program)
 
     def filled(self, run: str, action: Action, given: GivenValues) -> None:
+        if not self._slots:
+            return
         study, kept = self.session.state.study, self._kept
         for name in self._of.get(action.name, ()):
             slot = self._slots[name]

@@ -79,6 +79,7 @@ def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a stop must confirm is tested here; how soon it does is measured by the benchmarks."""
     monkeypatch.setattr(confirmed_stop, "STOP_S", 10.0)
     monkeypatch.setattr(daemon_link, "QUICK_S", 10.0)
+    monkeypatch.setattr(daemon_link, "LIST_S", 30.0)
     monkeypatch.setattr(sounds, "QUICK_S", 10.0)
 
 

@@ -44,7 +44,12 @@ class VendorsDaemon:
         with (self._folder / "daemon.log").open("ab") as log:
             self._process = await asyncio.create_subprocess_exec(
                 *(str(daemon), *options, "--fastapi-port", str(self._port)),
-                env={**os.environ, "HF_HUB_OFFLINE": "1", "HOME": str(self._folder)},
+                env={
+                    **os.environ,
+                    "HF_HUB_OFFLINE": "1",
+                    "HF_HOME": str(self._folder / ".cache/huggingface"),
+                    "HOME": str(self._folder),
+                },
                 stdout=log,
                 stderr=log,
             )

@@ -26,7 +26,7 @@ def hour() -> Iterator[Timed]:
 
 
 def test_nothing_is_lost_and_every_message_is_json(tmp_path: Path) -> None:
-    folder = place("mcap_reader")
+    folder = place("mcap-reader")
     log = write(tmp_path / "recordings", hour())
     export_logs(log, "mcap", tmp_path / "out", samples=True)
     made = tmp_path / "out" / f"{STEM}.mcap"

@@ -289,7 +289,7 @@ class ClientConnection(asyncio.Protocol):
             self.send(line)
         else:
             self._ahead -= len(line)
-            self._line(line, since_us, overtaken)
+            self._carry_out(line, since_us, overtaken)
         if self._transport is None:
             return
         if self._ahead <= READ_AHEAD:
@@ -297,7 +297,7 @@ class ClientConnection(asyncio.Protocol):
         if self._ended and not self._lines:
             self.close("closed")
 
-    def _line(self, line: bytes, since_us: int, overtaken: bool) -> None:
+    def _carry_out(self, line: bytes, since_us: int, overtaken: bool) -> None:
         left = self._transport is None or self._transport.is_closing()
         if len(line) > codec.MAX_LINE:
             self.refuse(0, f"a line can have at most {codec.MAX_LINE} bytes")

@@ -65,11 +65,11 @@ class Companion:
         self._publish = publish
         self._process: asyncio.subprocess.Process | None = None
         self._task: asyncio.Task[None] | None = None
-        self._told = ""
+        self._last_words = ""
 
     def start(self) -> None:
         """Begin; it is kept running."""
-        self._task = asyncio.get_running_loop().create_task(self._keep())
+        self._task = asyncio.get_running_loop().create_task(self._keep_running())
 
     def end_soon(self) -> None:
         """Run it no more."""
@@ -85,25 +85,25 @@ class Companion:
                     await process.wait()
         await end_tasks(self._task)
 
-    async def _keep(self) -> None:
+    async def _keep_running(self) -> None:
         pauses = RetryPauses(_FIRST_PAUSE_S, _LONGEST_PAUSE_S)
         while True:
             began = time.monotonic()
             try:
-                said = await self._once()
+                said = await self._run_once()
             except OSError as error:
                 said = str(error)
             if self._process is not None and self._process.returncode == 0:
                 return  # its session has ended
             works = time.monotonic() - began >= _WORKS_S
-            if works or said != self._told:
-                self._told = said
+            if works or said != self._last_words:
+                self._last_words = said
                 what = "has ended and is started again" if works else "does not run"
                 text = f"{self._called} {what}{said and f': {said}'}"
                 self._publish(Notice(level="warning", text=text))
             await asyncio.sleep(pauses.after(works))
 
-    async def _once(self) -> str:
+    async def _run_once(self) -> str:
         """Until it ends; what it said for people last, or at all: libraries write there, too."""
         self._process = process = await asyncio.create_subprocess_exec(
             sys.executable,

@@ -103,7 +103,7 @@ class PictureService:
             client.refuse(request.ref, f"a picture of {driver} could not be drawn: {error}")
 
     async def _reply(self, shown: PictureShown, request: AskPicture) -> PictureShown:
-        found = await self._next(shown.driver, request.after)
+        found = await self._next_picture(shown.driver, request.after)
         if found is None:
             why = f"{shown.driver} sent no new picture within {WAIT_S:g} s"
             return replace(shown, why=why)
@@ -123,7 +123,7 @@ class PictureService:
             data=data,
         )
 
-    async def _next(self, driver: str, after: int) -> tuple[int, Picture] | None:
+    async def _next_picture(self, driver: str, after: int) -> tuple[int, Picture] | None:
         """The newest picture that is not number `after`, as soon as there is one."""
         feed = self._session.feeds.feed(driver, PICTURE)
         loop = asyncio.get_running_loop()

@@ -44,7 +44,7 @@ class RemoteAccess:
     def start(self, roles: Mapping[str, str]) -> None:
         """Begin; `roles`: name -> role."""
         self._roles = roles
-        self._task = asyncio.get_running_loop().create_task(self._keep())
+        self._task = asyncio.get_running_loop().create_task(self._keep_running())
 
     def adopt(self, roles: Mapping[str, str]) -> None:
         """The experiment says so from now on."""
@@ -57,24 +57,24 @@ class RemoteAccess:
         task, self._task = self._task, None
         await end_tasks(task)
         if self._process is not None:
-            await _end(self._process)
+            await _end_process(self._process)
 
     def kill(self) -> None:
         """End the process without a word, as a crash does; it is started again."""
         if self._process is not None:
             self._process.kill()
 
-    async def _keep(self) -> None:
+    async def _keep_running(self) -> None:
         pauses = RetryPauses(_FIRST_PAUSE_S, _LONGEST_PAUSE_S)
         while True:
             self._listening = ""
             with contextlib.suppress(OSError):
-                await self._once()
+                await self._run_once()
             if self._listening:
                 self._tell("warning", "Access from other machines has ended; it is started again")
             await asyncio.sleep(pauses.after(bool(self._listening)))
 
-    async def _once(self) -> None:
+    async def _run_once(self) -> None:
         self._process = await asyncio.create_subprocess_exec(
             *(sys.executable, "-P", "-m", "woz_tui.remote.access_server"),
             *("--session", str(self._socket), "--listen", self._address),
@@ -85,16 +85,16 @@ class RemoteAccess:
             self._send_roles()
             assert self._process.stdout is not None
             while line := await self._process.stdout.readline():
-                self._take(line)
+                self._on_line(line)
         finally:
-            await _end(self._process)
+            await _end_process(self._process)
 
     def _send_roles(self) -> None:
         if self._process is not None and self._process.stdin is not None:
             with contextlib.suppress(OSError, RuntimeError):
                 self._process.stdin.write(json.dumps({"roles": {**self._roles}}).encode() + b"\n")
 
-    def _take(self, line: bytes) -> None:
+    def _on_line(self, line: bytes) -> None:
         try:
             announced: dict[str, str] = json.loads(line)
         except ValueError:
@@ -116,7 +116,7 @@ class RemoteAccess:
         self._publish(Notice(level=level, text=text))
 
 
-async def _end(process: asyncio.subprocess.Process) -> None:
+async def _end_process(process: asyncio.subprocess.Process) -> None:
     if process.returncode is not None:
         return
     if process.stdin is not None:

@@ -23,7 +23,7 @@ class DeadManSwitch:
     Where a wizard's line may be lost without anybody seeing it (`driving_of`), only a held key
     drives, and a control that says when it is let go. What a wizard has asked for drives while the
     player of that wizard's part watches. What nobody's part has asked for (a program, a control
-    panel) drives while one of those watches whose part drives (see `_drivers`).
+    panel) drives while one of those watches whose part drives (see `_driving_consoles`).
 
     Args:
         session: Whose bus drives.
@@ -49,8 +49,8 @@ class DeadManSwitch:
         """
         bus, wizards = self._session.bus, self._wizards()
         self._parts |= {each.name: each.part for each in wizards}
-        drivers = self._drivers()
-        responsible = [each for each in wizards if each.name in drivers]
+        driving = self._driving_consoles()
+        responsible = [each for each in wizards if each.name in driving]
         watching = {each.part for each in responsible if not each.silent}
         silent = next((each.silent for each in responsible), NOBODY)
         reason, before = "" if watching else silent, bus.unwatched
@@ -61,10 +61,10 @@ class DeadManSwitch:
             left |= self._watching - watching
         if left or (reason and not before):
             self._drove.clear()
-            bus.halt_driving(self._away(min(left)) if left else reason)
+            bus.halt_driving(self._why_away(min(left)) if left else reason)
         self._watching = watching
 
-    def _away(self, part: str) -> str:
+    def _why_away(self, part: str) -> str:
         """Why the console of this part does not watch."""
         players = [each for each in self._wizards() if each.part == part]
         if not players:
@@ -105,12 +105,17 @@ class DeadManSwitch:
     def facts(self, command: m.Command) -> Driving:
         """Who watches over a command, for the gate."""
         console = self._console_of(command)
-        watchers = [self._watcher(each) for each in self._wizards() if not each.silent]
+        watchers = [
+            Watcher(
+                each.name,
+                each.part,
+                self.driving_of(each) == "held",
+                each.hello.line if each.hello is not None else "",
+            )
+            for each in self._wizards()
+            if not each.silent
+        ]
         return Driving("", console, self._parts.get(console), watchers, self._held.keys)
-
-    def _watcher(self, client: ClientConnection) -> Watcher:
-        line = client.hello.line if client.hello is not None else ""
-        return Watcher(client.name, client.part, self.driving_of(client) == "held", line)
 
     def begins(self, command: m.Command) -> None:
         """It drives: note whose it is, and which key."""
@@ -119,7 +124,7 @@ class DeadManSwitch:
             self._held.drive(console, command.key, command.command)
         self._drove.add(self._parts.get(console))
 
-    def _drivers(self) -> frozenset[str]:
+    def _driving_consoles(self) -> frozenset[str]:
         """Consoles of the wizards whose part drives: who plays a panel that covers a verb that
         does, or has an action with one; every wizard, where no panel does.
         """

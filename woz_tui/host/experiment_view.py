@@ -127,6 +127,13 @@ class ExperimentView:
 def plan_of(shown: ExperimentView) -> m.SessionPlan:
     """Everything a console is shown, with all values."""
     experiment = shown.experiment
+    nothing: Mapping[str, Any] = {}
+    fields: dict[str, Any] = {}  # of features, as the settings
+    settings: dict[str, Any] = {}
+    for name, view in pieces("view", FeatureView).items():
+        fact = shown.facts.get(name)
+        settings |= answer_of(name, nothing, view.settings, experiment, fact)
+        fields |= answer_of(name, nothing, view.plan, experiment)
     return m.SessionPlan(
         title=experiment.title,
         panels=panel_views(experiment, shown.locked, shown.facts),
@@ -153,27 +160,10 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
             engagement=engagement_limits(experiment),
             sensors=[*experiment.sensors],
             study=shown.study or study_settings(experiment),
-            **_settings_of_features(shown),
+            **settings,
         ),
-        **_fields_of_features(experiment),
+        **fields,
     )
-
-
-def _fields_of_features(experiment: Experiment) -> dict[str, Any]:
-    nothing: Mapping[str, Any] = {}
-    fields: dict[str, Any] = {}
-    for name, view in pieces("view", FeatureView).items():
-        fields |= answer_of(name, nothing, view.plan, experiment)
-    return fields
-
-
-def _settings_of_features(shown: ExperimentView) -> dict[str, Any]:
-    settings: dict[str, Any] = {}
-    for name, view in pieces("view", FeatureView).items():
-        nothing: Mapping[str, Any] = {}
-        fact = shown.facts.get(name)
-        settings |= answer_of(name, nothing, view.settings, shown.experiment, fact)
-    return settings
 
 
 def plan_for_log(shown: ExperimentView) -> m.SessionPlan:

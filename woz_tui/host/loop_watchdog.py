@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from types import FrameType
 from typing import Any, NamedTuple
@@ -20,7 +21,7 @@ import msgspec
 
 from woz_tui.bus.hub import Hub
 from woz_tui.drivers.contract import Driver
-from woz_tui.drivers.driver_call import CALLING, LONG_STEPS, DriverCall, LongStep
+from woz_tui.drivers.driver_call import CALLING, LONG_STEPS, DriverCall
 from woz_tui.protocol.messages import ProcessStalled, SessionEnd
 from woz_tui.session.driver_faults import owners_of_file
 from woz_tui.system.processor_time import STALL_S, ProcessorWaits
@@ -99,25 +100,16 @@ class LoopWatchdog:
         self._beat_s, self._waited_s = now, waited_s
         self._sights, self._continued = [], False
         self._timer = self._loop.call_later(BEAT_S, self._beat)
-        if now - before > BEAT_S + STALL_S:
-            steps = [step for step in LONG_STEPS if step.ended >= before]
-            step = max(steps, key=lambda step: step.seconds, default=None)
-            self._tell(now - before, waited_s - waited_before_s, sights, step, continued)
-
-    def _tell(
-        self,
-        gap_s: float,
-        waited_s: float,
-        sights: Sequence[Sight],
-        step: LongStep | None,
-        continued: bool,
-    ) -> None:
+        if now - before <= BEAT_S + STALL_S:
+            return
+        steps = [step for step in LONG_STEPS if step.ended >= before]
+        step = max(steps, key=attrgetter("seconds"), default=None)
         sight = sight_during(step.of if step else None, sights, self._drivers)
         driver, call = whose(sight, step.of if step else None, self._drivers)
         place = place_in(sight)
         idle = sight is not None and not driver and not place
-        why = cause(gap_s, waited_s, continued, idle=idle)
-        seconds = max(gap_s - BEAT_S, step.seconds if step else 0.0)
+        why = cause(now - before, waited_s - waited_before_s, continued, idle=idle)
+        seconds = max(now - before - BEAT_S, step.seconds if step else 0.0)
         stall = ProcessStalled(duration_us=round(seconds * 1e6), cause=why)
         if why == "blocked":
             stall = msgspec.structs.replace(stall, driver=driver, call=call, place=place)

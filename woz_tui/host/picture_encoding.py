@@ -53,10 +53,16 @@ def _boxes(channels: Indices, counts: Indices, most: int) -> list[Indices]:
         worst = int(np.argmax(spreads))
         if spreads[worst] <= 0:  # nothing but boxes of one colour
             break
-        for half in _halves(channels, counts, boxes.pop(worst)):
-            boxes.append(half)
         spreads.pop(worst)
-        spreads += [_spread(channels, counts, box) for box in boxes[-2:]]
+        box = boxes.pop(worst)
+        axis = int(np.argmax(np.ptp(channels[box], axis=0)))
+        ordered = box[np.argsort(channels[box, axis], kind="stable")]
+        pixels = np.cumsum(counts[ordered])
+        middle = int(np.searchsorted(pixels, pixels[-1] / 2)) + 1
+        middle = min(max(middle, 1), len(ordered) - 1)
+        for half in (ordered[:middle], ordered[middle:]):
+            boxes.append(half)
+            spreads.append(_spread(channels, counts, half))
     return boxes
 
 
@@ -64,15 +70,6 @@ def _spread(channels: Indices, counts: Indices, box: Indices) -> float:
     """How much is to be gained by halving a box: its pixels times its longest side."""
     longest = int(np.ptp(channels[box], axis=0).max())
     return float(counts[box].sum()) * longest if longest else 0.0
-
-
-def _halves(channels: Indices, counts: Indices, box: Indices) -> tuple[Indices, Indices]:
-    axis = int(np.argmax(np.ptp(channels[box], axis=0)))
-    ordered = box[np.argsort(channels[box, axis], kind="stable")]
-    pixels = np.cumsum(counts[ordered])
-    middle = int(np.searchsorted(pixels, pixels[-1] / 2)) + 1
-    middle = min(max(middle, 1), len(ordered) - 1)
-    return ordered[:middle], ordered[middle:]
 
 
 _BAND = 6
@@ -191,8 +188,8 @@ def png(pixels: Pixels, colours: int = COLOURS) -> bytes:
         (b"IDAT", zlib.compress(rows.tobytes(), _LEVEL)),
         (b"IEND", b""),
     )
-    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(kind, data) for kind, data in parts)
-
-
-def _chunk(kind: bytes, data: bytes) -> bytes:
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    file = b"\x89PNG\r\n\x1a\n"
+    for kind, data in parts:
+        check = struct.pack(">I", zlib.crc32(kind + data))
+        file += struct.pack(">I", len(data)) + kind + data + check
+    return file

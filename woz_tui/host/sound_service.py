@@ -88,14 +88,14 @@ class SoundService:
         self._asking: dict[ClientConnection, asyncio.Task[None]] = {}
         self._talking: dict[str, _Talking] = {}
 
-    def _with(self, feed: str) -> list[str]:
+    def _drivers_with(self, feed: str) -> list[str]:
         """Drivers that have named this feed, in the order of the experiment."""
         named = self._session.feeds.drivers(feed)
         return [driver for driver in self._session.drivers if driver in named]
 
     def _driver(self, wanted: str, feed: str, what: str, lacking: str) -> str:
         """The one that is meant. Raises `RequestError`."""
-        offered = self._with(feed)
+        offered = self._drivers_with(feed)
         if not offered:
             lacks = {
                 spec.name: spec.offer.lacks.get(lacking, "")
@@ -114,7 +114,9 @@ class SoundService:
 
     def answer_listener(self, client: ClientConnection, request: AskSound) -> None:
         """Answer with sound, at once or within a second. Raises `RequestError`."""
-        if client.view is not None and not self._may_hear(client):
+        words_tell = bool(self._session.experiment.by_condition)
+        view = client.view
+        if view is not None and not view.redactor.may_hear(words_tell=words_tell):
             raise RequestError(
                 "live sound could reveal what this study hides from you",
                 "listen after the session to what the file has recorded",
@@ -122,8 +124,8 @@ class SoundService:
         driver = self._driver(request.driver, SOUND, "microphone with live sound", LISTEN)
         listening = self._listening.get(client)
         if listening is None or listening.driver != driver:
-            self._end(client)
-            listening = self._begin(client, driver)
+            self._end_listening(client)
+            listening = self._begin_listening(client, driver)
         if listening.waiting >= AHEAD:
             raise RequestError(f"{AHEAD} pieces of sound have been asked for and did not come yet")
         sound = self._session.feeds.feed(driver, SOUND).latest().value
@@ -152,26 +154,20 @@ class SoundService:
             if before is not None:
                 await asyncio.wait([before])
             after = (listening.end if follows else 0) or request.after
-            await self._send(client, listening.driver, request.ref, after)
+            await self._send_sound(client, listening.driver, request.ref, after)
         finally:
             listening.waiting -= 1
             if self._asking.get(client) is asyncio.current_task():
                 del self._asking[client]
 
-    def _may_hear(self, client: ClientConnection) -> bool:
-        """Whether sound tells this client nothing that is kept from it."""
-        assert client.view is not None
-        words = bool(self._session.experiment.by_condition)
-        return client.view.redactor.may_hear(words_tell=words)
-
-    def _begin(self, client: ClientConnection, driver: str) -> _Listening:
+    def _begin_listening(self, client: ClientConnection, driver: str) -> _Listening:
         if client not in self._listening:
-            client.closed.add_done_callback(lambda closed: self._end(client))
+            client.closed.add_done_callback(lambda closed: self._end_listening(client))
         began = self._listening[client] = _Listening(driver, self._session.clock.now_us())
         self._publish(ListenerJoined(console=client.name, driver=driver))
         return began
 
-    def _end(self, client: ClientConnection) -> None:
+    def _end_listening(self, client: ClientConnection) -> None:
         listening = self._listening.pop(client, None)
         if listening is None:
             return
@@ -189,9 +185,11 @@ class SoundService:
         if not self._session.ended:
             self._session.hub.publish(message)
 
-    async def _send(self, client: ClientConnection, driver: str, ref: int, after: int) -> None:
-        shown = SoundHeard(ref=ref, driver=driver, microphones=self._with(SOUND))
-        found = await self._next(driver, after)
+    async def _send_sound(
+        self, client: ClientConnection, driver: str, ref: int, after: int
+    ) -> None:
+        shown = SoundHeard(ref=ref, driver=driver, microphones=self._drivers_with(SOUND))
+        found = await self._next_sound(driver, after)
         if found is None:
             why = f"{driver} sent no sound within {WAIT_S:g} s"
             client.send(replace(shown, why=why))
@@ -212,7 +210,7 @@ class SoundService:
             )
         )
 
-    async def _next(self, driver: str, after: int) -> tuple[int, SoundPiece] | None:
+    async def _next_sound(self, driver: str, after: int) -> tuple[int, SoundPiece] | None:
         """What came after frame `after`, as soon as there is something; and its rate."""
         feed = self._session.feeds.feed(driver, SOUND)
         loop = asyncio.get_running_loop()
@@ -237,7 +235,7 @@ class SoundService:
             raise RequestError(f"{driver} takes no live voice yet", "wait until it is connected")
         talking = self._talker(client, driver, state.rate)
         if request.data:
-            self._take(client, talking, request)
+            self._take_voice(client, talking, request)
         data: dict[str, Json] = {
             **{"driver": driver, "rate": state.rate, "on": state.on},
             "late_s": round(talking.late_s, 3),
@@ -262,7 +260,7 @@ class SoundService:
         self._talking[driver] = talking
         return talking
 
-    def _take(self, client: ClientConnection, talking: _Talking, request: AskTalk) -> None:
+    def _take_voice(self, client: ClientConnection, talking: _Talking, request: AskTalk) -> None:
         rate = talking.window.rate
         if request.rate != rate:
             raise RequestError(

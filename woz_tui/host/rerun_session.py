@@ -82,7 +82,7 @@ class RerunSession:
             self._session.hub,
             self._send,
             self._session.runner.cancel,
-            self._over,
+            self._on_over,
             lead_us=LEAD_US if options.headless else WARNING_US,
             stale_us=round(self._session.experiment.session.stale_after * 1_000_000),
         )
@@ -91,8 +91,31 @@ class RerunSession:
         )
 
     def begin_when_ready(self) -> None:
-        """Begin as soon as everything is there; the session must be open."""
-        self._begin_if_ready()
+        """Begin, if nothing is missing any more; the session must be open. Else it is looked again
+        whenever a driver or a console has come.
+        """
+        if self._player.under_way or self._player.over is not None or self._session.ended:
+            return
+        if not self._options.headless and not self._host.wizards:
+            return
+        if missing := self._missing():
+            if self._deadline is None:
+                self._notice("info", f"the re-run waits for {' and '.join(missing)}")
+                self._deadline = asyncio.get_running_loop().call_later(
+                    self._options.wait_s, self._give_up
+                )
+            return
+        if self._deadline is not None:
+            self._deadline.cancel()
+        seconds = round((LEAD_US if self._options.headless else WARNING_US) / 1_000_000)
+        drives = sum(step.drives for step in self._plan.sent)
+        self._notice(
+            "warning",
+            f"the re-run of {self._plan.session or self._plan.name} begins in {seconds} s:"
+            f" {counted(len(self._plan.sent), 'command')}, {counted(drives, 'drive')}",
+            "press escape to stop it",
+        )
+        self._player.begin()
 
     def end(self, reason: str) -> None:
         """The session ends: nothing more is sent."""
@@ -106,39 +129,12 @@ class RerunSession:
     def _on_message(self, message: m.Message) -> None:
         match message:
             case m.DriverHealth() | m.ConsoleAttached():
-                asyncio.get_running_loop().call_soon(self._begin_if_ready)
+                asyncio.get_running_loop().call_soon(self.begin_when_ready)
             case m.ConsoleLost() if self._options.headless and self._host.alone:
-                self._unwatched()
+                if self._player.under_way:
+                    self._session.stop("no wizard's console is attached any more")
             case m.StopConfirmed(scope="all") if self._ending is not None:
                 self._end_session()
-
-    def _begin_if_ready(self) -> None:
-        """Begin, if nothing is missing any more."""
-        if self._player.under_way or self._player.over is not None or self._session.ended:
-            return
-        if not self._options.headless and not self._host.wizards:
-            return
-        missing = self._missing()
-        if not missing:
-            self._begin()
-        elif self._deadline is None:
-            self._notice("info", f"the re-run waits for {' and '.join(missing)}")
-            self._deadline = asyncio.get_running_loop().call_later(
-                self._options.wait_s, self._give_up
-            )
-
-    def _begin(self) -> None:
-        if self._deadline is not None:
-            self._deadline.cancel()
-        seconds = round((LEAD_US if self._options.headless else WARNING_US) / 1_000_000)
-        drives = sum(step.drives for step in self._plan.sent)
-        self._notice(
-            "warning",
-            f"the re-run of {self._plan.session or self._plan.name} begins in {seconds} s:"
-            f" {counted(len(self._plan.sent), 'command')}, {counted(drives, 'drive')}",
-            "press escape to stop it",
-        )
-        self._player.begin()
 
     def _missing(self) -> list[str]:
         drivers = self._session.state.drivers
@@ -167,19 +163,16 @@ class RerunSession:
             call, RequestOrigin(REPLAY), "queue", None, on_end, like=command
         )
 
-    def _unwatched(self) -> None:
-        if self._player.under_way:
-            self._session.stop("no wizard's console is attached any more")
-
     # -- after -------------------------------------------------------------------------------
 
-    def _over(self, end: m.RerunEnded) -> None:
+    def _on_over(self, end: m.RerunEnded) -> None:
         if self._session.ended:
             return
-        good = end.reason == DONE
-        self._notice("info" if good else "warning", self._summary(end), self._remedy())
+        level = "info" if end.reason == DONE else "warning"
         if not self._options.headless:
+            self._notice(level, self._summary(end), "end the session")
             return
+        self._notice(level, self._summary(end))
         # The log shall say who has confirmed the stop.
         wait = STOP_WAIT_S + 0.5 if end.reason == STOPPED else 0.0
         loop = asyncio.get_running_loop()
@@ -202,9 +195,6 @@ class RerunSession:
             f"the re-run {how}: {', '.join(parts)}; lateness p50 {end.late_p50_us / 1000:.1f} ms,"
             f" max {end.late_max_us / 1000:.1f} ms"
         )
-
-    def _remedy(self) -> str:
-        return "" if self._options.headless else "end the session"
 
     def _end_session(self) -> None:
         over = self._player.over

@@ -49,7 +49,7 @@ from woz_tui.system.session_sockets import bind, next_session, running, socket_p
 if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
     from woz_tui.host.companions import Companions
     from woz_tui.host.remote_access import RemoteAccess
-    from woz_tui.host.rerun_session import RerunOptions, RerunSession
+    from woz_tui.host.rerun_session import RerunOptions
     from woz_tui.replay.rerun_plan import RerunPlan
 
 #: A thread of a driver or of the recorder keeps the interpreter so long at most while a key waits.
@@ -107,7 +107,12 @@ def run(options: HostOptions) -> int:
     looked_up.start()
     catalogue = installed()
     experiment = _read(options, catalogue)
-    withdrawn, doubt = _withdrawn(options.recordings)
+    withdrawn: frozenset[str] = frozenset()
+    doubt = ""  # why it is not known which codes nobody gets again
+    try:
+        withdrawn = withdrawn_codes([options.recordings])
+    except WithdrawalRecordError as error:
+        doubt = str(error)
     if options.restarted:
         options = _without_refused(options, experiment, withdrawn)
     _check_identity(options.identity, experiment, withdrawn)
@@ -149,14 +154,6 @@ def _fill_standard_streams() -> None:
     while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
         os.set_inheritable(number, True)
     os.close(number)
-
-
-def _withdrawn(recordings: Path) -> tuple[frozenset[str], str]:
-    """The codes that nobody gets again, and why they are not known if they are not."""
-    try:
-        return withdrawn_codes([recordings]), ""
-    except WithdrawalRecordError as error:
-        return frozenset(), str(error)
 
 
 def _check_identity(
@@ -254,7 +251,11 @@ async def _serve(
     read = functools.partial(load, options.experiment, catalogue, robot=options.robot)
     handlers = RequestHandlers(session, lambda: _read(options, catalogue), read)
     host = SessionServer(session, path, handlers)
-    rerun = _rerun(host, plan, options)
+    rerun: RerunSession | None = None
+    if plan is not None and options.rerun is not None:
+        from woz_tui.host.rerun_session import RerunSession  # noqa: PLC0415
+
+        rerun = RerunSession(host, plan, options.rerun)
     for number in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(number, host.end, "terminated")
     LoopWatchdog(session.drivers, session.hub)
@@ -379,16 +380,6 @@ def _name_log(path: Path, participants: set[str]) -> None:
             name_after(path, *participants)
         except OSError as error:
             log.warning("the log keeps its name: %s", error)
-
-
-def _rerun(
-    host: SessionServer, plan: RerunPlan | None, options: HostOptions
-) -> RerunSession | None:
-    if plan is None or options.rerun is None:
-        return None
-    from woz_tui.host.rerun_session import RerunSession  # noqa: PLC0415
-
-    return RerunSession(host, plan, options.rerun)
 
 
 def _leave_within(seconds: float) -> None:

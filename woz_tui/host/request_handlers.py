@@ -7,7 +7,7 @@ import dataclasses
 import logging
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import cast
+from typing import Protocol, cast
 
 import msgspec
 from msgspec.structs import replace
@@ -15,7 +15,7 @@ from msgspec.structs import replace
 from woz_tui.config.experiment import Call, Experiment
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.reload_changes import compare
-from woz_tui.drivers.contract import Finding, HandInput
+from woz_tui.drivers.contract import HandInput
 from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import ClientRequest, RequestOrigin
 from woz_tui.gate.table import not_done, why_not
@@ -84,6 +84,19 @@ Slow = AskReload | AskKeepTyped | AskPredict | AskPreflight
 SLOW_WAITING = 16
 
 
+class RequestServer(Protocol):
+    """What requests have the server of a session do."""
+
+    def end(self, reason: str) -> None:
+        """End the session."""
+
+    def can_take_over(self, client: ClientConnection) -> bool:
+        """Whether a console that watches could play: there is a part that nobody plays."""
+
+    def restrict(self, experiment: Experiment) -> None:
+        """A file is about to be adopted: who is to be blind by it is so before anything is said."""
+
+
 class RequestHandlers:
     """Answers requests for one session.
 
@@ -105,16 +118,12 @@ class RequestHandlers:
         self._slow: dict[tuple[ClientConnection, type[Request]], list[Request]] = {}
         self._reading = asyncio.Lock()  # what was read last is what counts
         self._looking = asyncio.Lock()  # features into files, one after the other
-        #: Knows which keys drive only while they are held; of the server that has these handlers.
+        #: The server that has these handlers, and which knows what keys drive only while held.
+        self.server: RequestServer
         self.switch: DeadManSwitch
-        self.on_end: Callable[[str], None] = lambda reason: None
-        #: Whether a console that watches could play: nobody plays its part.
-        self.can_take_over: Callable[[ClientConnection], bool] = lambda client: False
         #: What has ended while a request is carried out, by run or command; None: none is.
         self._ends: dict[str, ActionEnd | End] | None = None
         session.hub.listen(self._note_end, ActionEnd, End)
-        #: Called before an experiment is adopted.
-        self.on_reload: Callable[[Experiment], None] = lambda experiment: None
 
     def answer(self, client: ClientConnection, request: Request) -> None:
         """Carry `request` out and reply; every request gets exactly one reply; a picture is one."""
@@ -180,7 +189,7 @@ class RequestHandlers:
             client.role,
             stale,
             plays=part_text(client),
-            vacant=self.can_take_over(client),
+            vacant=self.server.can_take_over(client),
             take_over=take_over_hint(client),
         )
 
@@ -189,7 +198,7 @@ class RequestHandlers:
         around, self._ends = self._ends, ends  # of the request that lets this one happen
         try:
             with self._session.hub.on_behalf_of(client.name):
-                run = self._carry_out(client, _by_a_client(client, request))
+                run = self._carry_out(client, _with_own_source(client, request))
         except RequestError as error:
             reply = _refused(client, request, error)
             if request.plays:
@@ -225,14 +234,14 @@ class RequestHandlers:
                 )
                 run = play() if stale else self.switch.play(client, request, play)
             case AskVerb():
-                send = partial(self._verb, client, request, stale)
+                send = partial(self._send_verb, client, request, stale)
                 run = send() if stale else self.switch.play(client, request, send)
             case AskLetGo(key=key):
                 self.switch.let_go(client, key)
             case AskRelease(source=source, missing=missing):
                 session.release(source, stale, missing)
             case AskControls():
-                self._hand(client, request)
+                self._take_hand(client, request)
             case AskCancel(run="", asked=ref):
                 session.features.withdraw(client.name, ref)
             case AskCancel(run=ended):
@@ -253,7 +262,7 @@ class RequestHandlers:
                 session.go_on_unrecorded()
             case AskEnd(reason=reason):
                 session.end_tells = tells
-                self.on_end(reason)
+                self.server.end(reason)
             case AskCheck(check=check, ok=ok, text=text):
                 session.tick(check, ok, text, client.role)
             case _:
@@ -270,7 +279,7 @@ class RequestHandlers:
         blinds = bool(self._session.state.study.settings.blind)
         return ("condition",) if blinds and client.view is None else ()
 
-    def _verb(self, client: ClientConnection, request: AskVerb, stale: str) -> str:
+    def _send_verb(self, client: ClientConnection, request: AskVerb, stale: str) -> str:
         """Send it with its variables filled in, as in the experiment file."""
         args, call = self._hidden(request)
         texts = call.args
@@ -331,7 +340,7 @@ class RequestHandlers:
         plain: Json = msgspec.to_builtins(prediction)
         return plain
 
-    def _hand(self, client: ClientConnection, request: AskControls) -> None:
+    def _take_hand(self, client: ClientConnection, request: AskControls) -> None:
         session = self._session
         age_us = session.standstill.waited_us(request.sent_us)
         if request.pulse:  # a pulse that went there, and what came back: no older than both ways
@@ -420,7 +429,8 @@ class RequestHandlers:
         if isinstance(request, AskPreflight):
             from woz_tui.session.preflight import preflight  # noqa: PLC0415 - asks the machine
 
-            return _plain(await preflight(self._session))
+            findings: Json = msgspec.to_builtins(await preflight(self._session))
+            return findings
         if not isinstance(request, AskKeepTyped | AskReload):
             async with self._looking:
                 return await asyncio.to_thread(self._session.features.look_up, request)
@@ -465,13 +475,13 @@ class RequestHandlers:
         if self._session.ended:
             raise RequestError("the session is ending")
         if not dry_run:
-            self.on_reload(experiment)
+            self.server.restrict(experiment)
             self._session.adopt(experiment, changes, telling)
             self._session.on_panels()
         return [*changes]
 
 
-def _by_a_client(client: ClientConnection, request: Request) -> Request:
+def _with_own_source(client: ClientConnection, request: Request) -> Request:
     """`request` with the source that its connection has. A wizard's console says itself what a
     person used of it; whatever comes from a program is the program's, whatever it says.
     """
@@ -513,8 +523,3 @@ def _with_end(client: ClientConnection, reply: Reply, end: ActionEnd | End) -> R
 def _redacted(client: ClientConnection, reply: Reply, instead: Mapping[str, str]) -> Reply:
     """What the client may have of an answer."""
     return reply if client.view is None else client.view.redactor.reply(reply, instead)
-
-
-def _plain(findings: list[Finding]) -> Json:
-    plain: Json = msgspec.to_builtins(findings)
-    return plain

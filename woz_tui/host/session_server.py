@@ -86,14 +86,15 @@ class SessionServer:
         self._wizard_came = False
         #: Programs keep the session up whoever else comes and goes: it was begun for one.
         self.for_program = False
-        self._views = {name: self._view(name) for name in ("wizard", PARTICIPANT)}
-        for view in self._views.values():
+        self._views: dict[str, RoleView] = {}
+        for role, redactor in (("wizard", Redactor()), (PARTICIPANT, ParticipantRedactor())):
+            redactor.adopt(study_settings(session.experiment))
+            view = RoleView(redactor, session.state.messages(), session.recent.lines)
             view.listen(session.hub)
+            self._views[role] = view
         self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
-        handlers.on_end = self.end
         session.on_panels = self._panels_changed
-        handlers.on_reload = self._restrict
-        handlers.can_take_over = lambda client: self._free_part(client) is not None
+        handlers.server = self
         self._switch = handlers.switch = DeadManSwitch(session, lambda: self.wizards)
 
     # -- running -----------------------------------------------------------------------------
@@ -210,6 +211,10 @@ class SessionServer:
         played = bool(self.wizards) and all(self._player(part) for part in parts)
         return None if played else free
 
+    def can_take_over(self, client: ClientConnection) -> bool:
+        """Whether a console that watches could play: there is a part that nobody plays."""
+        return self._free_part(client) is not None
+
     @property
     def alone(self) -> bool:
         """Whether nobody who is attached keeps the session up."""
@@ -237,7 +242,13 @@ class SessionServer:
             self._stop(client, request)
             client.send(Reply(ref=request.ref, ok=True))
         elif isinstance(request, AskAbout):  # neither does the question which session this is
-            client.send(Reply(ref=request.ref, ok=True, data=self._about()))
+            session = self.session
+            about: Json = {
+                "session": session.identity.session,
+                "title": session.experiment.title,
+                "participant": session.identity.participant,
+            }
+            client.send(Reply(ref=request.ref, ok=True, data=about))
         elif isinstance(request, Hello):
             self._hello(client, request)
         elif client.hello is None:
@@ -253,14 +264,6 @@ class SessionServer:
         with self.session.hub.on_behalf_of(client.name):
             source = "the participant" if client.role == PARTICIPANT else request.source
             self.session.stop(source, request.sent_us)
-
-    def _about(self) -> Json:
-        session = self.session
-        return {
-            "session": session.identity.session,
-            "title": session.experiment.title,
-            "participant": session.identity.participant,
-        }
 
     def _hello(self, client: ClientConnection, hello: Hello) -> None:
         if hello.protocol != PROTOCOL:
@@ -282,13 +285,22 @@ class SessionServer:
             reason = "only a program can see everything; the wizard's screen then shows its name"
             client.refuse(hello.ref, reason, "role: program")
             return
-        if hello.part and (reason := self._no_part(hello)):
-            known = ", ".join(self.session.experiment.parts)
+        parts = self.session.experiment.parts
+        plays = hello.role in ("wizard", "watcher", "program")
+        if hello.part and not (plays and hello.part in parts):
+            reason = "only a wizard or a program plays a part"
+            if plays:
+                reason = f"the experiment has no part {hello.part!r}"
+            known = ", ".join(parts)
             hint = f"there are {known}" if known else "a panel's `for` gives it a part"
             client.refuse(hello.ref, reason, hint)
             return
-        client.hello, client.part = hello, hello.part
-        client.role = self._role(client, hello)
+        client.hello, client.part, client.role = hello, hello.part, hello.role
+        if hello.role == "wizard" and (present := self._player(hello.part)) is not None:
+            if hello.take_over or present.silent:
+                self._demote(present, client)
+            else:
+                client.role = "watcher"
         self._wizard_came |= client.role == "wizard"
         sees_all = sees_everything(client.role, hello.sees)
         client.view = None if sees_all else self._views.get(client.role, self._views["wizard"])
@@ -310,23 +322,6 @@ class SessionServer:
         if hello.stream != "nothing":
             client.follow(samples=hello.stream == "everything")
         self._switch.update()
-
-    def _no_part(self, hello: Hello) -> str:
-        """Why this client cannot play the part that it names."""
-        if hello.role not in ("wizard", "watcher", "program"):
-            return "only a wizard or a program plays a part"
-        if hello.part not in self.session.experiment.parts:
-            return f"the experiment has no part {hello.part!r}"
-        return ""
-
-    def _role(self, client: ClientConnection, hello: Hello) -> str:
-        present = self._player(hello.part)
-        if hello.role != "wizard" or present is None:
-            return hello.role
-        if not hello.take_over and not present.silent:
-            return "watcher"
-        self._demote(present, client)
-        return "wizard"
 
     def _demote(self, present: ClientConnection, by: ClientConnection) -> None:
         """The console that played watches from now on."""
@@ -369,13 +364,7 @@ class SessionServer:
         self._switch.update()
         client.send(Reply(ref=request.ref, ok=True))
 
-    def _view(self, role: str) -> RoleView:
-        session = self.session
-        redactor = Redactor() if role == "wizard" else ParticipantRedactor()
-        redactor.adopt(study_settings(session.experiment))
-        return RoleView(redactor, session.state.messages(), session.recent.lines)
-
-    def _restrict(self, experiment: Experiment) -> None:
+    def restrict(self, experiment: Experiment) -> None:
         """A file is about to be adopted: who is to be blind by it is so before anything is said."""
         study = study_settings(experiment)
         for view in self._views.values():

@@ -188,12 +188,20 @@ class Bus:
             args = checked(verb, command.args) if verb is not None else args
         except ArgumentError as error:
             wrong = str(error)
-        lane = None if verb is None else self._lane_name(command.driver, verb)
-        known = None if lane is None else self._lanes.get((command.driver, lane))
+        lane, known, unknown = "", None, ""
+        if verb is not None:
+            lane = f"{verb.lane}~{verb.name}" if verb.stream else verb.lane
+            if verb.together:
+                lane = self._idle_lane(command.driver, lane)
+            known = self._lanes.get((command.driver, lane))
+        elif command.driver in self._drivers:
+            unknown = f"{command.driver} does not offer {command.verb!r}"
+        else:
+            unknown = f"there is no driver {command.driver!r}"
         question = SubmitCommand(
             recorded,
             verb,
-            self._unknown(command) if verb is None else "",
+            unknown,
             wrong,
             stoppable=command.driver not in self._unstopped,
             faulted=known is not None and known.faulted,
@@ -203,7 +211,6 @@ class Bus:
         elif verb is not None:
             if verb.drives and self.watch is not None:
                 self.watch.begins(recorded)
-            assert lane is not None
             self._lane(command.driver, lane).accept(pending, args, command.when_busy)
         return recorded
 
@@ -253,15 +260,6 @@ class Bus:
         for offered in self.verbs.values():
             args = hidden(offered.get(verb), args)
         return dict(args)
-
-    def _unknown(self, command: Command) -> str:
-        if command.driver not in self._drivers:
-            return f"there is no driver {command.driver!r}"
-        return f"{command.driver} does not offer {command.verb!r}"
-
-    def _lane_name(self, driver: str, verb: Verb) -> str:
-        name = f"{verb.lane}~{verb.name}" if verb.stream else verb.lane
-        return self._idle_lane(driver, name) if verb.together else name
 
     def _lane(self, driver: str, name: str) -> Lane:
         lane = self._lanes.get((driver, name))
@@ -329,7 +327,7 @@ class Bus:
         switched on anew may know of no stop. Not before it is known who confirmed.
         """
         again = sorted(self._back & (self._unconfirmed | self._lost))
-        if again and self.latched and not self._confirms:
+        if again and self.latched and not self._awaits_confirmation:
             self.stop(f"return of {again[0]}")
 
     def disconnected(self, driver: str) -> None:
@@ -342,10 +340,6 @@ class Bus:
             if name == driver:
                 lane.end_motions(f"{driver} is not connected")
 
-    def _reaches(self, driver: str, report: StopReport | None) -> bool:
-        parts = driver in self._faulted and report is not None and bool(report.confirmed)
-        return driver in self._connected or parts
-
     # -- the stop ----------------------------------------------------------------------------
 
     def stop(self, source: str, pressed: int | None = None) -> asyncio.Task[None]:
@@ -357,7 +351,7 @@ class Bus:
         while one is under way joins it: drivers are not called twice for a held-down key. Unless
         it was released in the meantime: then commands may have begun, and it is a new stop.
         """
-        joins = self.latched and self._confirms
+        joins = self.latched and self._awaits_confirmation
         self.latched = True
         if joins and self._stopping is not None:
             return self._stopping
@@ -379,10 +373,10 @@ class Bus:
         """Drivers that may still move although the stop is pressed: all, until it is known."""
         if not self.latched:
             return []
-        return self._moving if self._confirms else sorted(self._unconfirmed)
+        return self._moving if self._awaits_confirmation else sorted(self._unconfirmed)
 
     @property
-    def _confirms(self) -> bool:
+    def _awaits_confirmation(self) -> bool:
         """It is not known yet who confirmed the stop."""
         return self._stopping is not None and not self._stopping.done()
 
@@ -439,13 +433,17 @@ class Bus:
         loop = asyncio.get_running_loop()
         absent = {name for name in stops if name not in self._connected | self._faulted}
         waits = {
-            name: loop.create_task(self._still(name, stop, jobs)) for name, stop in stops.items()
+            name: loop.create_task(self._has_stopped(name, stop, jobs))
+            for name, stop in stops.items()
         }
         await wait_at_most(waits.values(), STOP_WAIT_S)
         reports = {name: report for name, stop in stops.items() if (report := _stop_report(stop))}
         confirmed, missing, unreached = [], [], []
         for name, wait in waits.items():
-            if name in absent or _lost(stops[name]) or not self._reaches(name, reports.get(name)):
+            report = reports.get(name)
+            in_part = name in self._faulted and report is not None and bool(report.confirmed)
+            reached = name in self._connected or in_part
+            if name in absent or _lost(stops[name]) or not reached:
                 unreached.append(name)
                 reports.pop(name, None)
             if wait.done() and wait.result() and name not in unreached:
@@ -471,7 +469,7 @@ class Bus:
         if jobs:
             loop.call_soon(self._stop_again)  # when this one is over
 
-    async def _still(self, name: str, stop: StopTask, jobs: bool) -> bool:
+    async def _has_stopped(self, name: str, stop: StopTask, jobs: bool) -> bool:
         await asyncio.wait([stop])
         if stop.cancelled():
             return False

@@ -154,8 +154,12 @@ class Hub:
         seen: dict[MessageFilter | None, bytes | None] = {None: line}
         for subscription in self._subscriptions:
             redact = subscription.redact
-            if redact not in seen:
-                seen[redact] = _line(redact, stamped, line)
+            if redact is not None and redact not in seen:
+                shown = redact(stamped)
+                if shown is None:
+                    seen[redact] = None
+                else:
+                    seen[redact] = line if shown is stamped else codec.encode(shown)
             if (own := seen[redact]) is not None:
                 subscription.offer(sample, own)
         self._undelivered.append(stamped)
@@ -215,11 +219,3 @@ class Hub:
         """No more lines for it."""
         if subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
-
-
-def _line(redact: MessageFilter | None, message: Message, line: bytes) -> bytes | None:
-    """The line of what may be had of `message`, whose own is `line`."""
-    seen = redact(message) if redact is not None else message
-    if seen is None:
-        return None
-    return line if seen is message else codec.encode(seen)

@@ -108,7 +108,6 @@ class PendingCommand:
         )
 
     def stop(self, reason: str) -> None:
-        """End it as stopped."""
         self.finish(
             Stopped(command=self.command.command, driver=self.command.driver, reason=reason)
         )
@@ -148,7 +147,7 @@ class LaneJob:
     def goes_on(self) -> Callable[[str], None]:
         """See `drivers.contract.Job`."""
         self.outlasts = True
-        return lambda why: self._later(self._end_motion, why)
+        return functools.partial(self._later, self._end_motion)
 
     def _end_motion(self, why: str) -> None:
         if self.motion_end is None:
@@ -179,9 +178,9 @@ class LaneJob:
         """Publish how long it will take; may be called from any thread."""
         if not math.isfinite(seconds):
             return
-        self._later(self._publish, min(max(seconds, 0.0), 86_400.0))
+        self._later(self._publish_progress, min(max(seconds, 0.0), 86_400.0))
 
-    def _publish(self, seconds: float) -> None:
+    def _publish_progress(self, seconds: float) -> None:
         if self._pending.end is not None:
             return
         self._pending.hub.publish(
@@ -231,7 +230,6 @@ class Lane:
 
     @property
     def waiting(self) -> list[str]:
-        """The commands that wait."""
         return [pending.command.command for pending, _ in self._waiting]
 
     # -- coming in ---------------------------------------------------------------------------
@@ -249,7 +247,11 @@ class Lane:
             return
         pending.waited = self.busy or bool(self._waiting)
         self._waiting.append((pending, args))
-        self._watch_deadline(pending)
+        if pending.command.deadline_us and self.busy:
+            remaining = (pending.command.deadline_us - self._hub.now()) / 1_000_000
+            pending.timers.append(
+                asyncio.get_running_loop().call_later(max(0.0, remaining), self._expire, pending)
+            )
         self._pump()
 
     def _room_for(self, pending: PendingCommand) -> int:
@@ -265,14 +267,6 @@ class Lane:
         if not pending.verb.stream and self._current is not None:
             self._current.supersede(pending.command.command)
             self._cancel()
-
-    def _watch_deadline(self, pending: PendingCommand) -> None:
-        if not pending.command.deadline_us or not self.busy:
-            return
-        remaining = (pending.command.deadline_us - self._hub.now()) / 1_000_000
-        pending.timers.append(
-            asyncio.get_running_loop().call_later(max(0.0, remaining), self._expire, pending)
-        )
 
     def _expire(self, pending: PendingCommand) -> None:
         for entry in self._waiting:
@@ -390,7 +384,7 @@ class Lane:
         self._current = None
         end = _outcome(pending, job, task, started_us, self._hub.now())
         if pending.finish(end) and pending.verb.arrives and isinstance(end, Done):
-            self._follow(pending, job)
+            self._follow_motion(pending, job)
         if self.faulted:
             self.faulted = False
             self._hub.publish(LaneRecovered(driver=self.driver_name, lane=self.name))
@@ -398,7 +392,7 @@ class Lane:
 
     # -- motions -----------------------------------------------------------------------------
 
-    def _follow(self, pending: PendingCommand, job: LaneJob) -> None:
+    def _follow_motion(self, pending: PendingCommand, job: LaneJob) -> None:
         """Tell when the motion of a command that is done has arrived."""
         self._moving[pending.command.command] = pending
         if not job.outlasts:
@@ -500,10 +494,12 @@ def _outcome(
         return Failed(command=command, driver=driver, reason="the driver cancelled the command")
     error = task.exception()
     if error is None:
+        plain = codec.plain(task.result())  # what cannot be said in JSON becomes text
+        sent = plain if isinstance(plain, dict) else {} if plain is None else {"returned": plain}
         return Done(
             command=command,
             driver=driver,
-            sent={name: named(value) for name, value in _plain(task.result()).items()},
+            sent={name: named(value) for name, value in sent.items()},
             latency_us=started_us - pending.requested_us,
             duration_us=now_us - started_us,
             evidence=job.evidence_said,
@@ -527,9 +523,3 @@ def _outcome(
 def _quotes(end: End) -> bool:
     """Whether it may repeat what was asked for, in words that are not the bus's own."""
     return isinstance(end, Done | Failed) or (isinstance(end, Refused) and end.code == "args")
-
-
-def _plain(sent: object) -> dict[str, Json]:
-    """What a driver returned as plain JSON; what cannot be said in JSON becomes text."""
-    value = codec.plain(sent)
-    return value if isinstance(value, dict) else {} if value is None else {"returned": value}

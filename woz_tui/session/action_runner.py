@@ -396,7 +396,9 @@ class ActionRunner:
     def _advance(self, run: ActionRun) -> None:
         run.at += 1
         if run.at >= len(run.steps):
-            reason = "" if calls_in(run.steps) else _left_out(run.action)
+            lacks = ", ".join(each.what for each in run.action.left_out)
+            nothing_sent = bool(lacks) and not calls_in(run.steps)
+            reason = f"left out: this robot has no {lacks}" if nothing_sent else ""
             evidence = weakest(run.evidence)
             self._finish(
                 run,
@@ -654,12 +656,6 @@ def _refusal_of(run: ActionRun) -> RequestError | None:
 def may_speak(call: Call | m.Command) -> bool:
     """Whether something is said with it; what is composed may say something."""
     return call.verb in SPEAKING_VERBS or call.driver in composers()
-
-
-def _left_out(action: Action) -> str:
-    """Why nothing of an action was sent; empty: it has nothing to send."""
-    lacks = ", ".join(each.what for each in action.left_out)
-    return f"left out: this robot has no {lacks}" if lacks else ""
 
 
 def _superseded(run: ActionRun, by: str, label: str) -> m.ActionSuperseded:

@@ -125,7 +125,7 @@ def utterances(
         for call in action.calls:
             for written in _written(call, TEXT, values) if call.verb == SAY else ():
                 for likely in _likely(written, values):
-                    if said := _filled({**call.args, TEXT: written}, likely):
+                    if said := _arguments_said({**call.args, TEXT: written}, likely):
                         found.setdefault(call.driver, {})[repr(sorted(said.items()))] = said
             for file in _written(call, FILE, values) if call.driver in composers() else ():
                 for part in calls_of(call.driver, str(file)):
@@ -163,7 +163,7 @@ def _likely(text: Json, values: VariableValues) -> Iterator[VariableValues]:
         yield values.joined(VariableValues(dict(zip(open_, chosen, strict=True))))
 
 
-def _filled(args: dict[str, Json], values: VariableValues) -> Mapping[str, Json]:
+def _arguments_said(args: dict[str, Json], values: VariableValues) -> Mapping[str, Json]:
     """Arguments with their variables filled in; empty if that cannot be, or nothing is said."""
     try:
         said = {name: fill_variables(value, values) for name, value in args.items()}
@@ -335,7 +335,7 @@ class ActionTexts:
             texts = choice.of(values) if choice is not None else ()
             if call.driver != said.driver or call.verb != said.verb or len(texts) < 2:
                 continue
-            if said.args["text"] in [_spoken(call, values, text) for text in texts]:
+            if said.args["text"] in [_text_said(call, values, text) for text in texts]:
                 return self.play(replace(action, steps=(ParallelCalls((call,)),)), given)
         return None
 
@@ -405,6 +405,6 @@ class ActionTexts:
         return steps
 
 
-def _spoken(call: Call, values: VariableValues, text: str) -> m.Json:
+def _text_said(call: Call, values: VariableValues, text: str) -> m.Json:
     """What the call says in this wording."""
     return filled_call(call, values, lambda texts: text).args["text"]

@@ -61,7 +61,11 @@ class AttentionController:
         head = self._head[0].name
         match message:
             case m.Reading(sensor=sensor, value=float() | int()) if sensor == self._sensor:
-                self._on_direction(message.value)
+                # A direction is that of a sound if it is loud and the robot is silent.
+                if self._follower.loud and not self._follower.speaks:
+                    self._carry_out(self._attention.sound(message.value, self._now))
+                elif not self._attention.away:
+                    self._direction = message.value
             case m.Reading(sensor=sensor) if self._follower.sensors.get(sensor) == "presence":
                 somebody = sample_values.presence(message.value)
                 if somebody is not None and not self._overruled:
@@ -80,7 +84,6 @@ class AttentionController:
         self._carry_out(self._attention.engaged(engaged, self._direction, self._now))
 
     def attend(self, mode: str) -> None:
-        """Use another attention mode."""
         if mode != self._attention.mode:
             self._carry_out(self._attention.attend(mode, self._now))
 
@@ -94,14 +97,6 @@ class AttentionController:
     @property
     def _now(self) -> int:
         return self._robot.hub.now()
-
-    def _on_direction(self, direction: float | None) -> None:
-        """Take a direction as a sound if it is loud and the robot is silent."""
-        if self._follower.speaks or not self._follower.loud:
-            if not self._attention.away:
-                self._direction = direction
-            return
-        self._carry_out(self._attention.sound(direction, self._now))
 
     def _carry_out(self, order: Order | None) -> None:
         match order:

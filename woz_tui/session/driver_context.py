@@ -97,7 +97,7 @@ class SessionDriverContext(DriverContext):
         self._feeds = feeds or Feeds()
         self._faults = faults or DriverFaults(hub, clock)
         self._on_request = on_request
-        self._media = media or (lambda: folder / "session.media")
+        self._media = media
         self._names = names or {}
         self._hub = hub
         self._clock = clock
@@ -110,7 +110,6 @@ class SessionDriverContext(DriverContext):
 
     @property
     def clock(self) -> Clock:
-        """The session's clock."""
         return self._clock
 
     @property
@@ -121,7 +120,7 @@ class SessionDriverContext(DriverContext):
     @property
     def media(self) -> Path:
         """Where files of this session go now."""
-        return self._media()
+        return self._media() if self._media is not None else self._folder / "session.media"
 
     def t(self, clock_us: int) -> int:
         """A time of the clock on the axis of the messages' `t`."""
@@ -130,7 +129,7 @@ class SessionDriverContext(DriverContext):
     def publish(self, statement: DriverStatement | Shown | Speech) -> None:
         """Publish it as a message of the session; what the log could not hold is a fault."""
         try:
-            message = self._message(statement)
+            message = self._message_for(statement)
             if message is not None and not _plain_reading(message):
                 read = codec.decode_message(codec.encode(message))
                 if isinstance(statement, DriverStatement) and read != message:
@@ -140,9 +139,12 @@ class SessionDriverContext(DriverContext):
             return
         if message is not None:
             self._remember(statement)
-            self._send(message)
+            kept = isinstance(message, DriverHealth | Shown | Speech)
+            # In a context of its own: what others do upon it is none of the driver's.
+            publish = functools.partial(Context().run, self._hub.publish, message)
+            self._calls.make(publish, keep=kept)
 
-    def _message(self, statement: DriverStatement | Shown | Speech) -> Message | None:
+    def _message_for(self, statement: DriverStatement | Shown | Speech) -> Message | None:
         """What says it; None if that has been said."""
         driver = self._driver
         message: Message | None = None
@@ -222,11 +224,6 @@ class SessionDriverContext(DriverContext):
         if on_request is not None:
             call = functools.partial(Context().run, on_request, self._driver, ask, done)
             self._calls.make(call, keep=True)
-
-    def _send(self, message: Message) -> None:
-        kept = isinstance(message, DriverHealth | Shown | Speech)
-        # In a context of its own: what others do upon it is none of the driver's.
-        self._calls.make(functools.partial(Context().run, self._hub.publish, message), keep=kept)
 
 
 def _plain_reading(message: Message) -> bool:

@@ -152,7 +152,7 @@ class DriverFaults:
         self._factory = self._loop.get_task_factory()
         self._thread_hook = threading.excepthook
         self._loop.set_exception_handler(self._on_loop_error)
-        factory: Any = self._made
+        factory: Any = self._make_task
         self._loop.set_task_factory(factory)
         threading.excepthook = self._on_thread_error
         self._unraisable_hook, sys.unraisablehook = sys.unraisablehook, self._on_unraisable
@@ -173,7 +173,7 @@ class DriverFaults:
             self._report(owners, place, *_words_and_trace(error))
         return bool(owners)
 
-    def _made(
+    def _make_task(
         self, loop: asyncio.AbstractEventLoop, coro: Coroutine[Any, Any, Any], **more: Any
     ) -> asyncio.Task[Any]:
         """A task: of the driver in whose code it is made, if it is made in one."""
@@ -196,14 +196,16 @@ class DriverFaults:
         if _unread(task) and (error := task.exception()) is not None:
             self.raised(error, _driver_of(task))
 
-    def _on_loop_error(self, loop: asyncio.AbstractEventLoop, told: dict[str, Any]) -> None:
-        error = told.get("exception")
-        future = told.get("task") or told.get("future")
-        as_before = functools.partial(self._handler or _default_handler, loop, told)
+    def _on_loop_error(self, loop: asyncio.AbstractEventLoop, details: dict[str, Any]) -> None:
+        error = details.get("exception")
+        future = details.get("task") or details.get("future")
+        as_before = functools.partial(
+            self._handler or type(loop).default_exception_handler, loop, details
+        )
         if future is not None:  # it is garbage, of whatever runs at the moment
             self._on_garbage(future, error, as_before)
             return
-        context = getattr(told.get("handle"), "_context", None)
+        context = getattr(details.get("handle"), "_context", None)
         call = context.get(CALLING) if context is not None else CALLING.get()
         if not isinstance(error, Exception) or not self.raised(error, call.driver if call else ""):
             as_before()
@@ -307,10 +309,6 @@ def _driver_of(future: asyncio.Future[Any]) -> str:
 
 def _words_and_trace(error: BaseException) -> tuple[str, str]:
     return f"{type(error).__name__}: {error}", "".join(traceback.format_exception(error))
-
-
-def _default_handler(loop: asyncio.AbstractEventLoop, told: dict[str, Any]) -> None:
-    loop.default_exception_handler(told)
 
 
 def owners_of(frame: FrameType, drivers: Mapping[str, Driver]) -> list[str]:

@@ -178,8 +178,11 @@ class EngagementController(Performer):
         return True
 
     def _handle(self, message: m.Message) -> None:
-        if isinstance(message, m.ExperimentReloaded | m.EngagementAdopted):
-            self._follow_file(message)
+        # New settings count once all have heard of them; what the robot shows changes at once.
+        if isinstance(message, m.EngagementAdopted):
+            self._apply_settings(self._robot.experiment().engagement if message.settings else None)
+        elif isinstance(message, m.ExperimentReloaded) and not self._publish_settings():
+            self._apply_settings(self._robot.experiment().engagement)
         if self._model is None:
             return
         follower, visitors, attention = (
@@ -223,14 +226,6 @@ class EngagementController(Performer):
             if isinstance(driver.health, m.DriverConnected):
                 self._connected(name)
 
-    def _follow_file(self, message: m.ExperimentReloaded | m.EngagementAdopted) -> None:
-        """Use new settings once all have heard of them; what the robot shows changes at once."""
-        engagement = self._robot.experiment().engagement
-        if isinstance(message, m.EngagementAdopted):
-            self._apply_settings(engagement if message.settings else None)
-        elif not self._publish_settings():
-            self._apply_settings(engagement)
-
     def _publish_settings(self) -> bool:
         """Publish the settings if they are others than before; whether they are.
 
@@ -245,19 +240,8 @@ class EngagementController(Performer):
         return True
 
     def _apply_settings(self, engagement: Engagement | None) -> None:
-        had_one = self._model is not None
-        self._adopt(engagement)
-        if self._model is None:
-            self._effects.model_removed()
-            self._shown = None
-        elif not had_one:
-            self._model.follower.catch_up(self._state.messages())
-            self._show_robots()
-        self._show()
-        self._set_timer()
-
-    def _adopt(self, engagement: Engagement | None) -> None:
         """Take the section as it is now in the file."""
+        had_one = self._model is not None
         self.offered = engagement_verbs() if engagement else ()
         if self._opened:
             self._robot.bus.offer(ENGAGEMENT, self.offered)
@@ -266,6 +250,14 @@ class EngagementController(Performer):
         else:
             self._use_settings(engagement.settings)
         self._effects.adopt()
+        if self._model is None:
+            self._effects.model_removed()
+            self._shown = None
+        elif not had_one:
+            self._model.follower.catch_up(self._state.messages())
+            self._show_robots()
+        self._show()
+        self._set_timer()
 
     def _use_settings(self, settings: EngagementSettings) -> None:
         """Give the settings to all parts but the follower, which reads them from the messages."""
@@ -305,7 +297,10 @@ class EngagementController(Performer):
                 )
             )
             try:
-                self._entered(change)
+                self._effects.entered(change)
+                if self._model is not None:
+                    self._model.visitors.entered(change)
+                    self._model.attention.entered(change.now)
             except Exception as error:  # the next change belongs into the log all the same
                 if self._report_failure(error):
                     log.exception("the effects of %s failed", change.now)
@@ -314,12 +309,6 @@ class EngagementController(Performer):
         else:
             self._show_later()
         self._set_timer()
-
-    def _entered(self, change: Transition) -> None:
-        self._effects.entered(change)
-        if self._model is not None:
-            self._model.visitors.entered(change)
-            self._model.attention.entered(change.now)
 
     def _set_timer(self) -> None:
         """Set the timer to when the model changes by itself."""

@@ -49,7 +49,7 @@ class FaceMoods:
         #: By driver; the face that changed last comes last.
         self._shown: dict[str, Mood] = {}
         #: What a driver is being told, by the command of that id, and what it showed before.
-        self._told: dict[str, tuple[str, Mood]] = {}
+        self._being_told: dict[str, tuple[str, Mood]] = {}
         #: Those that tell their mood, and not only the emotion that it looks like.
         self._exact: set[str] = set()
         hub.listen(self._on_command, m.Command)
@@ -95,15 +95,15 @@ class FaceMoods:
         mood = _named(command.args) if command.verb == "emotion" else _placed(command.args)
         if mood is not None:
             before = self._shown.get(command.driver, Mood())
-            self._told[command.driver] = (command.command, before)
+            self._being_told[command.driver] = (command.command, before)
             self._show(command.driver, Mood(mood.valence, mood.arousal, command.tells))
 
     def _on_end(self, end: m.End) -> None:
         """It was done, maybe at another strength; or else the face is as it was."""
-        command, before = self._told.get(end.driver, ("", Mood()))
+        command, before = self._being_told.get(end.driver, ("", Mood()))
         if command != end.command:
             return
-        del self._told[end.driver]
+        del self._being_told[end.driver]
         if not isinstance(end, m.Done):
             self._show(end.driver, before)
         elif end.sent.get("emotion") and "valence" not in end.sent:
@@ -111,24 +111,21 @@ class FaceMoods:
             self._show(end.driver, Mood(mood.valence, mood.arousal, self._tells(end.driver)))
 
     def _on_face(self, face: m.FaceShown) -> None:
-        if face.driver not in self._told and face.driver not in self._exact:
+        if face.driver not in self._being_told and face.driver not in self._exact:
             place = emotion_affect(face.emotion, face.intensity)
             self._show(face.driver, Mood(*place, self._tells(face.driver)))
 
     def _on_body(self, body: m.BodyChanged) -> None:
         """Its mood, unless a move shows another emotion on top of that."""
         place = _placed(body.values)
-        if place is None or body.driver in self._told:
+        if place is None or body.driver in self._being_told:
             return
         self._exact.add(body.driver)
         if affect_emotion(place.valence, place.arousal)[0] != body.values.get("emotion"):
             place = _named(body.values)
-        if (place.valence, place.arousal) != self._place(body.driver):
+        shown = self._shown.get(body.driver, Mood())
+        if (place.valence, place.arousal) != (shown.valence, shown.arousal):
             self._show(body.driver, Mood(place.valence, place.arousal, self._tells(body.driver)))
-
-    def _place(self, driver: str) -> tuple[float, float]:
-        mood = self._shown.get(driver, Mood())
-        return mood.valence, mood.arousal
 
 
 def _named(args: Mapping[str, Json]) -> Mood:

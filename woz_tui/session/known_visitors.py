@@ -119,7 +119,7 @@ class VisitorStoreWorker:
 
     # -- the thread --------------------------------------------------------------------------------
 
-    def _next(self) -> StoreJob | None:
+    def _next_job(self) -> StoreJob | None:
         with self._lock:
             if self._jobs:
                 return self._jobs.popleft()
@@ -127,24 +127,23 @@ class VisitorStoreWorker:
             return None
 
     def _work(self) -> None:
-        while (job := self._next()) is not None:
-            self._outcomes.append(self._done(job))
+        while (job := self._next_job()) is not None:
+            _, error = _tried(job.make, self._store)
+            people, unreadable = _tried(self._store.everybody)
+            given_up, self._store.given_up = tuple(self._store.given_up), []
+            self._outcomes.append(
+                StoreJobResult(job, people, self._store.unsaved, given_up, error or unreadable)
+            )
             try:
                 self._report()
             except RuntimeError:  # the loop has closed: the session is over
                 log.warning("nobody hears any more what became of the store of visitors")
 
-    def _done(self, job: StoreJob) -> StoreJobResult:
-        _, error = _tried(lambda: job.make(self._store))
-        people, unreadable = _tried(self._store.everybody)
-        given_up, self._store.given_up = tuple(self._store.given_up), []
-        return StoreJobResult(job, people, self._store.unsaved, given_up, error or unreadable)
 
-
-def _tried(call: Callable[[], T]) -> tuple[T | None, Exception | None]:
+def _tried(call: Callable[..., T], *args: VisitorStore) -> tuple[T | None, Exception | None]:
     """The result of `call`, or what it raised: the thread goes on in any case."""
     try:
-        return call(), None
+        return call(*args), None
     except (VisitorsError, OSError) as error:
         return None, error
     except Exception as error:
@@ -237,7 +236,6 @@ class KnownVisitors:
         return self._by_name.get(key) or next(named, None)
 
     def is_taken(self, name: str) -> bool:
-        """Whether somebody has this name."""
         return self.called(name) is not None
 
     # -- changed -----------------------------------------------------------------------------------

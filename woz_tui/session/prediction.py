@@ -52,7 +52,7 @@ async def predicted(
         for call in step:
             verb = verb_of(call.driver, call.verb)
             foretold = Forecast() if kept(call) else await forecast(call, verb, drivers)
-            commands.append(_command(call, begins, foretold))
+            commands.append(_predicted_command(call, begins, foretold))
             over = _later(over, _sum(begins, foretold.seconds))
             goes_on = verb is not None and verb.stream and not call.until
             ends.append(begins if goes_on else _sum(begins, foretold.seconds))
@@ -81,7 +81,7 @@ async def forecast(call: Call, verb: Verb | None, drivers: Mapping[str, Forecast
         return Forecast()
 
 
-def _command(call: Call, begins: float | None, forecast: Forecast) -> PredictedCommand:
+def _predicted_command(call: Call, begins: float | None, forecast: Forecast) -> PredictedCommand:
     marks = forecast.marks
     return PredictedCommand(
         verb=call.verb,

@@ -73,9 +73,9 @@ def _drivers(session: Session) -> list[Finding]:
         driver = session.state.drivers.get(name)
         message = driver.health if driver is not None else None
         if isinstance(message, m.DriverConnected):
-            told = session.state.robots.shown.get(name)
-            if told is not None and told.conflicts:
-                findings.append(Finding("warning", name, "; ".join(told.conflicts)))
+            shown = session.state.robots.shown.get(name)
+            if shown is not None and shown.conflicts:
+                findings.append(Finding("warning", name, "; ".join(shown.conflicts)))
             else:
                 findings.append(Finding("ok", name, message.detail or "ready"))
         elif message is None or isinstance(message, m.DriverConnecting):
@@ -99,24 +99,21 @@ def _sensors(session: Session) -> list[Finding]:
     findings = []
     for sensor in expected:
         message = session.state.readings.get(sensor)
+        changed = session.state.sensors.get(sensor)
+        every_s = changed.every_s if changed is not None else 0.0
+        limit_us = max(FRESH_US, PERIODS * every_s * 1_000_000)
         if message is None:
             findings.append(Finding("warning", sensor, "no value yet"))
-        elif session.hub.now() - message.t > _limit_us(session, sensor):
+        elif session.hub.now() - message.t > limit_us:
             findings.append(
                 Finding("warning", sensor, "its last value is too old", "check the device")
             )
         else:
-            findings.append(Finding("ok", sensor, _in_words(message)))
+            findings.append(Finding("ok", sensor, _reading_in_words(message)))
     return findings
 
 
-def _limit_us(session: Session, sensor: str) -> float:
-    changed = session.state.sensors.get(sensor)
-    every_s = changed.every_s if changed is not None else 0.0
-    return max(FRESH_US, PERIODS * every_s * 1_000_000)
-
-
-def _in_words(message: m.Reading) -> str:
+def _reading_in_words(message: m.Reading) -> str:
     if message.sensor.endswith("identity"):
         return message.text or "nobody identified"
     if message.value is None:

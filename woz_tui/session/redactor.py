@@ -131,13 +131,6 @@ def _unredacted() -> frozenset[type[m.Message]]:
     return frozenset(kind for name in lacking if name in kinds for kind in kinds[name].messages)
 
 
-def _feature_redaction(message: m.Message, perception: PerceptionFilter) -> m.Message | None:
-    if type(message) in _unredacted():
-        return None
-    hide = _redactions().get(type(message))
-    return message if hide is None else hide(message, perception)
-
-
 class Redactor:
     """A wizard's and a watcher's view of a session.
 
@@ -183,7 +176,6 @@ class Redactor:
             self._names = {label: name for name, label in labels.items()}
 
     def apply(self, message: m.Message) -> None:
-        """A message of the session."""
         match message:
             case m.Reading(sensor=sensor, value=float(value)) if sensor.endswith(".threshold"):
                 self._loud_from[sensor.removesuffix(".threshold")] = value
@@ -272,10 +264,10 @@ class Redactor:
             }
             return replace(reply, data={**data, **labels}) if self.blind else reply
         if isinstance(data, list):
-            return replace(reply, data=[self._line(line, instead or {}) for line in data])
+            return replace(reply, data=[self._reply_line(line, instead or {}) for line in data])
         return reply
 
-    def _line(self, line: Json, instead: Mapping[str, str]) -> Json:
+    def _reply_line(self, line: Json, instead: Mapping[str, str]) -> Json:
         """A difference or an error of the file, or a finding of the preflight."""
         if isinstance(line, dict) and "subject" in line:
             return {**line, "text": self._finding(str(line["subject"]), str(line.get("text", "")))}
@@ -299,9 +291,9 @@ class Redactor:
             change = _BLINDED.get(type(message))
             seen = change(self, message) if change is not None else message
         if isinstance(seen, m.RestrictedMessage):
-            seen = self._worded(seen)
+            seen = self._without_words(seen)
         elif isinstance(seen, m.ActionsFilled):
-            seen = self._filled(seen)
+            seen = self._without_texts(seen)
         if self.perception and seen is not None:
             if self.perception.hides(_SHOWN_WITH.get(type(seen), "")):
                 return None
@@ -312,12 +304,15 @@ class Redactor:
     def _of_feature(self, message: m.Message) -> m.Message | None:
         """What a feature leaves of it where perception is restricted; nothing, if that fails."""
         try:
-            return _feature_redaction(message, self.perception)
+            if type(message) in _unredacted():
+                return None
+            hide = _redactions().get(type(message))
+            return message if hide is None else hide(message, self.perception)
         except Exception:
             log.exception("the redaction of %s failed", type(message).__name__)
             return None
 
-    def _worded(self, message: m.RestrictedMessage) -> m.Message | None:
+    def _without_words(self, message: m.RestrictedMessage) -> m.Message | None:
         """Without its words, if they tell what is kept."""
         if not message.tells or not any(map(self._keeps, message.tells)):
             return message
@@ -325,7 +320,7 @@ class Redactor:
             return replace(message, args={**message.args, **message.unfilled})
         if message.kept_whole or (isinstance(message, m.Notice) and message.level == "info"):
             return None
-        names = _words(type(message))
+        names = _word_fields(type(message))
         words: Any = dict.fromkeys(names, "")
         match message:
             case m.Notice(driver=driver, level=level):
@@ -339,20 +334,20 @@ class Redactor:
                 words[names[0]] = HIDDEN
         return replace(message, **words)
 
-    def _filled(self, message: m.ActionsFilled) -> m.Message:
+    def _without_texts(self, message: m.ActionsFilled) -> m.Message:
         """Without texts that tell what is kept; it does not say which they are."""
         if not self:
             return message
         actions: Any = {
             name: [
-                step if isinstance(step, float | int) else [*map(self._filled_call, step)]
+                step if isinstance(step, float | int) else [*map(self._call_without_texts, step)]
                 for step in steps
             ]
             for name, steps in message.actions.items()
         }
         return replace(message, actions=actions)
 
-    def _filled_call(self, call: m.FilledCall) -> m.FilledCall:
+    def _call_without_texts(self, call: m.FilledCall) -> m.FilledCall:
         kept = any(map(self._keeps, call.tells))
         return replace(call, args={**call.args, **call.unfilled}) if kept else call
 
@@ -524,7 +519,6 @@ class ParticipantRedactor(Redactor):
     READS = (m.SessionPlan,)
 
     def __bool__(self) -> bool:
-        """Whether anything is kept."""
         return True
 
     def message(self, message: m.Message) -> m.Message | None:
@@ -539,7 +533,7 @@ class ParticipantRedactor(Redactor):
             case m.ConditionsAssigned(order=order):
                 return replace(message, order=_numbered(order), why="")
             case m.RestrictedMessage():
-                return replace(message, **dict.fromkeys(_words(type(message)), ""))
+                return replace(message, **dict.fromkeys(_word_fields(type(message)), ""))
         return message
 
     def welcome(self, welcome: r.Welcome) -> r.Welcome:
@@ -627,7 +621,7 @@ def _unique(labels: Mapping[str, str]) -> dict[str, str]:
 
 
 @cache
-def _words(kind: type[m.RestrictedMessage]) -> tuple[str, ...]:
+def _word_fields(kind: type[m.RestrictedMessage]) -> tuple[str, ...]:
     """The fields of its words."""
     texts = (field.name for field in fields(kind) if field.type is str)
     return tuple(name for name in texts if name not in NAMES)

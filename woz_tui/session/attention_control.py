@@ -43,9 +43,9 @@ class AttentionController:
         self._settings = settings.attention
         self._attention = Attention(settings.attention)
         self._news = news
-        self._timer = WakeUpTimer(robot.hub, self._on_timer)
-        self._head = head_of(robot.experiment()) if settings.attention.look else None
-        self._sensor = _direction_beside(robot.experiment(), self._head) if self._head else ""
+        self._timer = WakeUpTimer(robot.session.hub, self._on_timer)
+        self._head = head_of(robot.session.experiment) if settings.attention.look else None
+        self._sensor = _direction_beside(robot.session.experiment, self._head) if self._head else ""
         self._direction: float | None = None
         self._before: dict[str, m.Json] = {}
         self._overruled = False
@@ -96,7 +96,7 @@ class AttentionController:
 
     @property
     def _now(self) -> int:
-        return self._robot.hub.now()
+        return self._robot.session.hub.now()
 
     def _carry_out(self, order: Order | None) -> None:
         match order:

@@ -62,7 +62,7 @@ class EngagementController(Performer):
     """Connects the engagement model with the hub, the clock and the robot.
 
     Args:
-        robot: What it has to do with; its bus and runner count from `begin` on.
+        robot: What it has to do with; bus and runner of its session count from `begin` on.
         state: What holds in the session.
         locked: Panels by title: whether they are locked.
         logs: The folder where the log belongs.
@@ -72,11 +72,11 @@ class EngagementController(Performer):
         self, robot: EngagementRobot, state: SessionState, locked: Mapping[str, bool], logs: Path
     ) -> None:
         self._robot, self._state, self._logs = robot, state, logs
-        self._hub = robot.hub
+        self._hub = robot.session.hub
         self._loop = asyncio.get_running_loop()
         self._model: _Model | None = None
         self._effects = StateEffects(robot, locked)
-        self._timer = WakeUpTimer(robot.hub, self._on_timer)
+        self._timer = WakeUpTimer(robot.session.hub, self._on_timer)
         self._show_timer: asyncio.TimerHandle | None = None
         self._shown: m.EngagementShown | None = None
         self._shown_us = -SHOWN_EVERY_US
@@ -180,9 +180,11 @@ class EngagementController(Performer):
     def _handle(self, message: m.Message) -> None:
         # New settings count once all have heard of them; what the robot shows changes at once.
         if isinstance(message, m.EngagementAdopted):
-            self._apply_settings(self._robot.experiment().engagement if message.settings else None)
+            self._apply_settings(
+                self._robot.session.experiment.engagement if message.settings else None
+            )
         elif isinstance(message, m.ExperimentReloaded) and not self._publish_settings():
-            self._apply_settings(self._robot.experiment().engagement)
+            self._apply_settings(self._robot.session.experiment.engagement)
         if self._model is None:
             return
         follower, visitors, attention = (
@@ -231,7 +233,7 @@ class EngagementController(Performer):
 
         They count from this message on: who reads the log later uses them from the same place.
         """
-        engagement = self._robot.experiment().engagement
+        engagement = self._robot.session.experiment.engagement
         settings = settings_to_json(engagement.settings) if engagement else {}
         if settings == self._published_settings:
             return False
@@ -244,7 +246,7 @@ class EngagementController(Performer):
         had_one = self._model is not None
         self.offered = engagement_verbs() if engagement else ()
         if self._opened:
-            self._robot.bus.offer(ENGAGEMENT, self.offered)
+            self._robot.session.bus.offer(ENGAGEMENT, self.offered)
         if engagement is None:
             self.close()
         else:

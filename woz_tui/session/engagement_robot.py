@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import date
+from typing import Protocol
 
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.hub import Hub
@@ -15,6 +16,7 @@ from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.session.action_runner import ActionRunner
 from woz_tui.session.action_texts import ActionTexts
+from woz_tui.system.clock import Clock
 
 #: The least that it waits, in seconds: whoever is late is woken soon, and not without a pause.
 _SOON_S = 0.001
@@ -47,36 +49,41 @@ class WakeUpTimer:
 ORIGIN = RequestOrigin(ENGAGEMENT)
 
 
-@dataclass
-class EngagementRobot:
-    """Sends the commands of the engagement model, and knows whether the robot may move.
-
-    Args:
-        hub: Where everything is published.
-        experiment: As its file was read last.
-        is_over: Whether the session has ended.
-        today: The day on the calendar.
+class EngagementSession(Protocol):
+    """What the engagement model uses of a session. `bus`, `runner` and `texts` come after the
+    model: what it offers belongs on the bus, too.
     """
 
+    clock: Clock
     hub: Hub
-    experiment: Callable[[], Experiment]
-    is_over: Callable[[], bool]
-    today: Callable[[], date]
-    #: They come later: what the model offers belongs on the bus, too.
-    bus: Bus = field(init=False)
-    runner: ActionRunner = field(init=False)
-    texts: ActionTexts = field(init=False)
+    #: As its file was read last.
+    experiment: Experiment
+    bus: Bus
+    runner: ActionRunner
+    texts: ActionTexts
+    ended: bool
+
+
+@dataclass
+class EngagementRobot:
+    """Sends the commands of the engagement model, and knows whether the robot may move."""
+
+    session: EngagementSession
+
+    @property
+    def today(self) -> date:
+        """The day on the calendar."""
+        return self.session.clock.wall().date()
 
     @property
     def is_stopped(self) -> bool:
-        """Whether the stop is pressed."""
-        return self.bus.latched
+        return self.session.bus.latched
 
     @property
     def may_move(self) -> bool:
         """Whether anything may be asked of it."""
-        return not (self.is_stopped or self.is_over())
+        return not (self.is_stopped or self.session.ended)
 
     def send(self, call: Call, on_end: Callable[[m.End], None] | None = None) -> m.Command:
         """Send one verb; it waits while its driver is busy."""
-        return self.runner.send(call, ORIGIN, "queue", None, on_end)
+        return self.session.runner.send(call, ORIGIN, "queue", None, on_end)

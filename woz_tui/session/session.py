@@ -118,13 +118,7 @@ class Session:
         self.hub.listen(self._on_message)  # before all others: they find the state as of now
         self.hub.listen(self.recent.add, but=unlisted())
         publish_start(self.hub, self.identity, self.experiment, self.clock, self.recorder.spill)
-        robot = EngagementRobot(
-            self.hub,
-            lambda: self.experiment,
-            lambda: self.ended,
-            lambda: self.clock.wall().date(),
-        )
-        folder = self.recorder.folder
+        robot, folder = EngagementRobot(self), self.recorder.folder
         self.engagement = EngagementController(robot, self.state, self.locked, folder)
         self.state.study.settings = study_settings(self.experiment)
         self.faults = DriverFaults(self.hub, self.clock)
@@ -184,7 +178,6 @@ class Session:
         self.runner = ActionRunner(self.hub, self.bus, self.texts, deadline, self.features)
         self.last_act = LastAct(self.state, self.bus, self.runner)
         self.hub.listen(self.last_act.on_dispatched, m.Dispatched)
-        robot.bus, robot.runner, robot.texts = self.bus, self.runner, self.texts
         #: The last command of each control of a panel, by driver and control.
         self._held: dict[tuple[str, str], str] = {}
         self._timers: dict[str, asyncio.TimerHandle] = {}

@@ -62,7 +62,7 @@ class StateEffects:
 
     def adopt(self) -> None:
         """The experiment was read: from now on its effects count."""
-        self._signals = StateSignals(self._robot.experiment())
+        self._signals = StateSignals(self._robot.session.experiment)
         self._signals.entered(self._state)
 
     def model_removed(self) -> None:
@@ -82,7 +82,7 @@ class StateEffects:
         if not self._robot.may_move:
             return
         self._signal(calls)
-        engagement = self._robot.experiment().engagement
+        engagement = self._robot.session.experiment.engagement
         if engagement is None:
             return
         if self._chased(change.t):
@@ -113,11 +113,11 @@ class StateEffects:
 
     def _lasting(self) -> list[Call]:
         """What is to be seen in the present state, and stays to be seen."""
-        if self._robot.is_over():
+        if self._robot.session.ended:
             return []
-        engagement = self._robot.experiment().engagement
+        engagement = self._robot.session.experiment.engagement
         action = engagement.effects.get(self._state) if engagement else None
-        own = self._robot.texts.calls(action) if action else ()
+        own = self._robot.session.texts.calls(action) if action else ()
         calls = [*self._signals.entered(self._state), *own]
         return [call for call in calls if call.verb in LASTING_SIGNALS]
 
@@ -136,7 +136,7 @@ class StateEffects:
     def _leave(self, why: str) -> None:
         for run in list(self._runs - self._left):
             self._left.add(run)
-            self._robot.runner.end_after_step(run, why)
+            self._robot.session.runner.end_after_step(run, why)
 
     def _chased(self, t: int) -> bool:
         """Whether states follow each other as only their own effects can make them."""
@@ -146,20 +146,22 @@ class StateEffects:
     def _play(self, action: Action, again: bool) -> None:
         action = _silent(action) if again else action
         if action.steps:
-            self._began(self._robot.runner.play(action, ORIGIN)[0])
+            self._began(self._robot.session.runner.play(action, ORIGIN)[0])
 
     def _play_named(self, name: str, again: bool) -> None:
         """An action of a panel, as far as no lock stands against it.
 
         What the wizard may use by their profile is no affair of the robot's own.
         """
-        action = self._robot.experiment().action(name)
+        action = self._robot.session.experiment.action(name)
         if action is None:
             self._report(f"there is no action {name!r}")
             return
         refusal = why_not(Facts(locked=self._locked), PlayEffect(name, action))
         if refusal is not None:
-            self._began(self._robot.runner.refuse(name, action.panel, ORIGIN, refusal.reason))
+            self._began(
+                self._robot.session.runner.refuse(name, action.panel, ORIGIN, refusal.reason)
+            )
         else:
             self._play(action, again)
 
@@ -179,7 +181,7 @@ class StateEffects:
         lasting = call.verb in LASTING_SIGNALS
         older = self._shown.pop(kind, "")
         if older and lasting:
-            self._robot.runner.cancel(older, f"the state is now {self._state}")
+            self._robot.session.runner.cancel(older, f"the state is now {self._state}")
         done: list[m.End] = []
 
         def ended(end: m.End) -> None:
@@ -189,7 +191,7 @@ class StateEffects:
             self._signalled(call, end)
 
         when_busy = "queue" if lasting else _AT_ONCE
-        sent = self._robot.runner.send(call, ORIGIN, when_busy, None, ended)
+        sent = self._robot.session.runner.send(call, ORIGIN, when_busy, None, ended)
         if not done:
             self._shown[kind] = sent.command
 
@@ -205,7 +207,7 @@ class StateEffects:
         """A notice, once for each reason."""
         if why not in self._reported:
             self._reported.add(why)
-            self._robot.hub.publish(
+            self._robot.session.hub.publish(
                 m.Notice(level="warning", text=f"engagement: {why}", remedy=remedy, tells=tells)
             )
 

@@ -64,7 +64,7 @@ class RobotHandshake:
         #: Consents on their way to recognisers, and what comes when they have arrived.
         self._telling = 0
         self._then: NameLearned | None = None
-        self._timer = WakeUpTimer(robot.hub, self._on_timer)
+        self._timer = WakeUpTimer(robot.session.hub, self._on_timer)
         self._saying = 0
         self._own: set[tuple[str, int]] = set()
 
@@ -111,7 +111,7 @@ class RobotHandshake:
 
     @property
     def _now(self) -> int:
-        return self._robot.hub.now()
+        return self._robot.session.hub.now()
 
     def _carry_out(self, order: Order | None, *, tell: bool = True) -> None:
         match order:
@@ -149,7 +149,7 @@ class RobotHandshake:
             self._carry_out(then)
 
     def _say(self, text: str) -> None:
-        if text and not self._robot.is_over():
+        if text and not self._robot.session.ended:
             self._saying += 1
             call = Call("say", {"text": text}, self._voice, NOWHERE, IDENTITY, {"text": "..."})
             self._robot.send(call, self._on_said)
@@ -160,7 +160,7 @@ class RobotHandshake:
         self._timer.set(self._procedure.due())
 
     def _command(self, verb: str, **args: m.Json) -> None:
-        if self._robot.is_over():
+        if self._robot.session.ended:
             return
         unfilled = {"code": "{visitor}"} if "code" in args else {}
         self._robot.send(
@@ -179,12 +179,12 @@ def _learn_faces(robot: EngagementRobot, change: Transition, *, asked: bool) -> 
     if change.outcome != "eng2know" or not change.visitor or recognised:
         return
     learners = drivers_with(robot, LEARN_FACE)
-    allowed = [one for one in learners if robot.bus.consents.given(one, change.visitor)]
+    allowed = [one for one in learners if robot.session.bus.consents.given(one, change.visitor)]
     for driver in allowed:
         _learn_face(robot, driver, change.visitor)
     if learners and not allowed and not asked:
         name = change.visitor
-        robot.hub.publish(
+        robot.session.hub.publish(
             m.Notice(
                 level="info",
                 text=f"the face of {name} is not learnt: nobody has said that it may be",
@@ -196,14 +196,14 @@ def _learn_faces(robot: EngagementRobot, change: Transition, *, asked: bool) -> 
 
 def drivers_with(robot: EngagementRobot, wanted: str) -> list[str]:
     """The drivers that offer this verb."""
-    drivers = robot.experiment().drivers
+    drivers = robot.session.experiment.drivers
     return [spec.name for spec in drivers if any(verb.name == wanted for verb in spec.offer.verbs)]
 
 
 def _learn_face(robot: EngagementRobot, driver: str, name: str) -> None:
     def ended(end: m.End) -> None:
         if isinstance(end, m.Failed | m.TimedOut | m.Refused):
-            robot.hub.publish(
+            robot.session.hub.publish(
                 m.Notice(
                     level="warning",
                     text=f"{driver} did not learn the face of {name}: {end.reason}",
@@ -252,18 +252,18 @@ class VisitorRecognition:
             self.visitors = self._read_visitors(path)
 
     def _read_visitors(self, path: Path) -> KnownVisitors:
-        known = KnownVisitors(path, self._robot.hub.publish, self._later)
+        known = KnownVisitors(path, self._robot.session.hub.publish, self._later)
         known.read()
         return known
 
     def _later(self, call: Callable[[], object]) -> None:
         """From any thread: in the session's, if it still goes on."""
-        self._loop.call_soon_threadsafe(lambda: None if self._robot.is_over() else call())
+        self._loop.call_soon_threadsafe(lambda: None if self._robot.session.ended else call())
 
     def close(self) -> None:
         """The session ends, or goes on without the section."""
         self._end_introduction()
-        if not self._robot.is_over():
+        if not self._robot.session.ended:
             self.visitors.refresh()
 
     async def finish(self) -> None:
@@ -285,7 +285,7 @@ class VisitorRecognition:
     def entered(self, change: Transition) -> None:
         """The machine is in another state."""
         handshake = self._settings.handshake
-        if not self._robot.is_over():
+        if not self._robot.session.ended:
             asked = handshake.by == "robot" and bool(handshake.face_consent.strip())
             _learn_faces(self._robot, change, asked=asked)
         if change.was == State.HANDSHAKE:
@@ -296,7 +296,7 @@ class VisitorRecognition:
         if change.now == State.HANDSHAKE:
             self._introduce()
         elif change.now == State.KNOWN and change.visitor:
-            self.visitors.meet(change.visitor, self._robot.today())
+            self.visitors.meet(change.visitor, self._robot.today)
         elif change.now == State.WAIT:
             self.visitors.left()
         if change.now in _NEW:
@@ -317,7 +317,7 @@ class VisitorRecognition:
         named = verb == "visitor" or (verb == "handshake" and args.get("what") == "ok")
         if named and isinstance(name, str) and name:
             facts = {fact: str(args[fact]) for fact in ("age_group", "address") if args.get(fact)}
-            self.visitors.introduce(name, facts, self._robot.today())
+            self.visitors.introduce(name, facts, self._robot.today)
 
     def resume(self, state: State) -> None:
         """The stop was released."""
@@ -334,7 +334,7 @@ class VisitorRecognition:
 
     def _introduce(self) -> None:
         self._end_introduction()
-        if self._robot.is_over():
+        if self._robot.session.ended:
             return
         settings = self._settings.handshake
         voice = self._voice()
@@ -356,19 +356,21 @@ class VisitorRecognition:
             self._introduction = None
 
     def _voice(self) -> str:
-        drivers = self._robot.experiment().drivers
+        drivers = self._robot.session.experiment.drivers
         speaking = (spec.name for spec in drivers for verb in spec.offer.verbs if verb.name == _SAY)
         return next(speaking, "")
 
     def _hears(self) -> bool:
-        return any(SPEECH_TEXT in spec.offer.sensors for spec in self._robot.experiment().drivers)
+        return any(
+            SPEECH_TEXT in spec.offer.sensors for spec in self._robot.session.experiment.drivers
+        )
 
     def _notice(
         self,
         text: str,
         remedy: str = "use `visitor` to give a name, or `handshake: fail` to continue without one",
     ) -> None:
-        self._robot.hub.publish(
+        self._robot.session.hub.publish(
             m.Notice(
                 level="info",
                 text=f"handshake: {text}",

@@ -136,17 +136,7 @@ class Session:
         performers: dict[str, Performer] = {
             **self.drivers,
             ENGAGEMENT: self.engagement,
-            SESSION: SessionPerformer(
-                {
-                    "mark": lambda args, tells: self.mark(
-                        str(args.get("text", "")), "action", tells
-                    ),
-                    "note": lambda args, tells: self.note(str(args["text"]), tells),
-                    "set": lambda args, tells: self._set_verb(args),
-                    "lock": lambda args, tells: self.lock(str(args["panel"]), True),
-                    "unlock": lambda args, tells: self.lock(str(args["panel"]), False),
-                }
-            ),
+            SESSION: SessionPerformer(self),
         }
         self.bus = Bus(
             self.hub,
@@ -684,7 +674,6 @@ class Session:
         self.hub.publish(m.Marker(text=text, source=source, tells=tells, at=at))
 
     def note(self, text: str, tells: tuple[str, ...] = ()) -> None:
-        """A note in the log."""
         if not text.strip():
             raise RequestError("the note is empty")
         self.hub.publish(m.Note(text=text, tells=tells))
@@ -712,12 +701,13 @@ class Session:
         For another participant or trial what features have begins anew.
         """
         before = self.identity.participant, self.identity.trial
-        self._set(participant, condition, trial)
+        self.set_codes(participant, condition, trial)
         if (self.identity.participant, self.identity.trial) == before:
             return
         self.features.begin_anew(participant=self.identity.participant != before[0])
 
-    def _set(self, participant: str | None, condition: str | None, trial: int | None) -> None:
+    def set_codes(self, participant: str | None, condition: str | None, trial: int | None) -> None:
+        """The same; what features have goes on."""
         another = participant not in (None, self.state.study.participant)
         if another or trial not in (None, self.identity.trial):
             self.allow_next()
@@ -737,13 +727,7 @@ class Session:
         """Tell what a participant has yet to do from earlier sessions."""
         self.features.tell_owed(participant, owed)
 
-    def _set_verb(self, args: Mapping[str, m.Json]) -> None:
-        checked: Mapping[str, Any] = args  # by the bus
-        # A step of an action, perhaps one of a feature's, which goes on behind it.
-        self._set(*(checked.get(name) for name in ("participant", "condition", "trial")))
-
     def lock(self, panel: str, locked: bool) -> None:
-        """Lock or unlock a panel."""
         if panel not in {known.title for known in self.experiment.panels}:
             raise RequestError(f"there is no panel {panel!r}")
         self.set_lock(panel, locked, "")

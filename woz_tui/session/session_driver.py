@@ -6,7 +6,8 @@ ordered with the rest, refused while the stop is pressed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from typing import Any, Protocol
 
 from woz_tui.bus.lane import LaneJob
 from woz_tui.config.performers import ENGAGEMENT, SESSION
@@ -35,21 +36,46 @@ VERBS: tuple[Verb, ...] = (
     own_verb("unlock", "unlock a panel", (Argument("panel", "text", "its title", required=True),)),
 )
 
-#: Carries one verb out, whose arguments tell something (see `messages.RestrictedMessage`); raises
-#: `ValueError` with a sentence if it makes no sense.
-Carry = Callable[[Mapping[str, Json], tuple[str, ...]], None]
+
+class SessionVerbs(Protocol):
+    """What the verbs do in a session. Everything raises `RequestError` if it makes no sense;
+    `tells` as in `messages.RestrictedMessage`.
+    """
+
+    def mark(self, text: str, source: str, tells: tuple[str, ...] = ()) -> None:
+        """Put a marker into the log."""
+
+    def note(self, text: str, tells: tuple[str, ...] = ()) -> None:
+        """Put a note into the log."""
+
+    def set_codes(self, participant: str | None, condition: str | None, trial: int | None) -> None:
+        """Set those that are not None."""
+
+    def lock(self, panel: str, locked: bool) -> None:
+        """Lock or unlock a panel."""
 
 
 class SessionPerformer(Performer):
-    """The session as a driver; `carry` maps each verb's name to what does it."""
+    """The session as a driver, which does everything at once."""
 
-    def __init__(self, carry: Mapping[str, Carry]) -> None:
-        self._carry = carry
+    def __init__(self, session: SessionVerbs) -> None:
+        self._session = session
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        """Do it at once."""
+        args: Mapping[str, Any] = job.args  # checked by the bus
+        tells = job.tells if isinstance(job, LaneJob) else ()
         try:
-            self._carry[job.verb](job.args, job.tells if isinstance(job, LaneJob) else ())
+            match job.verb:
+                case "mark":
+                    self._session.mark(str(args.get("text", "")), "action", tells)
+                case "note":
+                    self._session.note(str(args["text"]), tells)
+                case "set":
+                    # A step of an action, perhaps one of a feature's, which goes on behind it.
+                    codes = (args.get(name) for name in ("participant", "condition", "trial"))
+                    self._session.set_codes(*codes)
+                case "lock" | "unlock":
+                    self._session.lock(str(args["panel"]), job.verb == "lock")
         except ValueError as error:
             raise RejectedError(str(error)) from error
         return dict(job.args)

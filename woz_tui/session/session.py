@@ -298,7 +298,7 @@ class Session:
         assert action is not None
         if not action.steps and beside:
             return self.features.play(action, origin, when_busy, at)
-        again = partial(self._no_action, name, origin, given.values, text)
+        again = partial(self._why_no_action, name, origin, given.values, text)
         if text:
             action = self.texts.edited(action, text, tells)
         run, refused = self.runner.play(
@@ -321,7 +321,7 @@ class Session:
             return ""
         return "waits" if found[1] else "is running"
 
-    def _no_action(
+    def _why_no_action(
         self, name: str, origin: RequestOrigin, given: Collection[str], text: str
     ) -> Refusal | None:
         """Why this hand may not play it at the moment; None: it may."""
@@ -453,7 +453,7 @@ class Session:
             **{spec.name: spec.offer.part for spec in self.experiment.drivers},
         }
 
-    def _old(self, ask: Ask) -> str:
+    def _why_too_old(self, ask: Ask) -> str:
         """Why a hand's ask is too old: a driver reads late what waited while nobody read."""
         age_us = max(self.standstill.age_us(), ask.age_us)
         return self.too_old(age_us) if is_by_hand(ask.source, ask.key) else ""
@@ -525,11 +525,11 @@ class Session:
         `sent_us`: what the request that asks for it is stamped with (0: with nothing); None: the
         robot process itself asks.
         """
-        self.bus.stop(source, None if sent_us is None else self._pressed(sent_us))
+        self.bus.stop(source, None if sent_us is None else self._when_pressed(sent_us))
         self._driver_manager.stop_resting()
         self.runner.stop_waiting("stop pressed")
 
-    def _pressed(self, sent_us: int) -> int:
+    def _when_pressed(self, sent_us: int) -> int:
         """When a stop was pressed, on the axis of `t`; 0 where its stamp cannot be true."""
         age_us = self.clock.boot_us() - sent_us
         return self.hub.now() - age_us if 0 <= age_us <= OLDEST_STOP_US else 0
@@ -562,9 +562,9 @@ class Session:
             ask = replace(ask, source="driver")
         try:
             if ask.what == "verb":
-                self._send_for(driver, ask, done)
+                self._send_verb_for(driver, ask, done)
                 return
-            self._carry_out(ask, RequestOrigin(ask.source, ask.key, driver))
+            self._carry_out_ask(ask, RequestOrigin(ask.source, ask.key, driver))
             done(True, "")
         except RequestError as error:
             done(False, error.reason)
@@ -572,16 +572,16 @@ class Session:
             log.exception("what %s asked for failed: %s", driver, ask)
             done(False, f"{type(error).__name__}: {error}")
 
-    def _carry_out(self, ask: Ask, origin: RequestOrigin) -> None:
+    def _carry_out_ask(self, ask: Ask, origin: RequestOrigin) -> None:
         match ask.what:
             case "action":
-                self.play(ask.name, origin, stale=self._old(ask))
+                self.play(ask.name, origin, stale=self._why_too_old(ask))
             case "key":
-                self.play(self._action_on(ask.name), origin, stale=self._old(ask))
+                self.play(self._action_on(ask.name), origin, stale=self._why_too_old(ask))
             case "stop":
                 self.stop(origin.source, self.clock.boot_us() - max(0, ask.age_us))
             case "release":
-                self.release(origin.source, self._old(ask))
+                self.release(origin.source, self._why_too_old(ask))
             case "mark":
                 self.mark(ask.name, origin.source)
             case "cancel":
@@ -589,16 +589,16 @@ class Session:
             case "halt":
                 self.bus.halt_driving(ask.name)
             case _:
-                self.features.carry_out_ask(ask, origin, self._old(ask))
+                self.features.carry_out_ask(ask, origin, self._why_too_old(ask))
 
-    def _send_for(self, driver: str, ask: Ask, done: OnCompletion) -> None:
+    def _send_verb_for(self, driver: str, ask: Ask, done: OnCompletion) -> None:
         named = self._driver_offering(ask.name, self._driver_of_same_robot(driver, ask.on))
         nobody = named if isinstance(named, Refusal) else None
         call = Call(ask.name, dict(ask.args), "" if isinstance(named, Refusal) else named)
         origin = RequestOrigin(ask.source, ask.key, driver)
         asked: SendVerb | SendOwnVerb = SendOwnVerb(nobody)
         if is_by_hand(ask.source, ask.key):
-            stale = self._old(ask)
+            stale = self._why_too_old(ask)
             asked = SendVerb(call.verb, call.args, call.driver, origin, stale, nobody=nobody)
         refusal = self._why_not_sent(asked)
 

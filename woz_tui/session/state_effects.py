@@ -75,7 +75,6 @@ class StateEffects:
     # -- when --------------------------------------------------------------------------------------
 
     def entered(self, change: Transition) -> None:
-        """A state was entered."""
         self._leave(f"the state changed from {self._state} to {change.now}")
         self._state = change.now
         calls = self._signals.entered(change.now)
@@ -144,7 +143,7 @@ class StateEffects:
         return len(self._times) == MOST_STATES_A_SECOND and t - self._times[0] < SECOND
 
     def _play(self, action: Action, again: bool) -> None:
-        action = _silent(action) if again else action
+        action = _without_speech(action) if again else action
         if action.steps:
             self._began(self._robot.session.runner.play(action, ORIGIN)[0])
 
@@ -188,14 +187,14 @@ class StateEffects:
             done.append(end)
             if self._shown.get(kind) == end.command:
                 del self._shown[kind]
-            self._signalled(call, end)
+            self._report_signal(call, end)
 
         when_busy = "queue" if lasting else _AT_ONCE
         sent = self._robot.session.runner.send(call, ORIGIN, when_busy, None, ended)
         if not done:
             self._shown[kind] = sent.command
 
-    def _signalled(self, call: Call, end: m.End) -> None:
+    def _report_signal(self, call: Call, end: m.End) -> None:
         if isinstance(end, m.Failed | m.TimedOut):
             text = f"{call.verb} failed on {call.driver}: {end.reason}"
             self._report(text, end.remedy, end.tells)
@@ -212,7 +211,7 @@ class StateEffects:
             )
 
 
-def _silent(action: Action) -> Action:
+def _without_speech(action: Action) -> Action:
     """Without what is said, and without what waits for it."""
     steps: list[Step] = []
     for step in action.steps:

@@ -119,10 +119,10 @@ def copy_with_sentences(path: Path, typed: Sequence[Action], read: Reader) -> Ex
         return ExperimentCopy(path, 0)
     copy = next((name for name in copy_names(path) if not os.path.lexists(name)), path)
     try:
-        result = append_actions(data, TYPED, [_line(base, action) for action in actions])
+        result = append_actions(data, TYPED, [_line_of_file(base, action) for action in actions])
     except AppendError as error:
         raise RequestError(str(error)) from error
-    _check(base, actions, result.data, read)
+    _check_copy(base, actions, result.data, read)
     return ExperimentCopy(copy, len(actions), tuple(result.diff(path.name, copy.name)), result.data)
 
 
@@ -151,7 +151,7 @@ def _for_file(base: Experiment, typed: Sequence[Action]) -> tuple[Action, ...]:
     return tuple(plain)
 
 
-def _line(base: Experiment, action: Action) -> str:
+def _line_of_file(base: Experiment, action: Action) -> str:
     """`{key: "1", label: "One moment", say: "One moment, please."}`."""
     (call,) = action.calls
     speakers = [
@@ -166,11 +166,11 @@ def _line(base: Experiment, action: Action) -> str:
         "on": call.driver if len(speakers) > 1 else "",
         "say": str(call.args["text"]),
     }
-    write_beside = (f"{name}: {quoted(text)}" for name, text in parts.items() if text)
-    return f"{{{', '.join(write_beside)}}}"
+    fields = (f"{name}: {quoted(text)}" for name, text in parts.items() if text)
+    return f"{{{', '.join(fields)}}}"
 
 
-def _check(base: Experiment, actions: Sequence[Action], data: bytes, read: Reader) -> None:
+def _check_copy(base: Experiment, actions: Sequence[Action], data: bytes, read: Reader) -> None:
     """Raises `RequestError` unless the new file is right and says what the old one says."""
     try:
         new = read(data)

@@ -343,7 +343,8 @@ class VisitorRecognition:
         elif settings.by != "robot":
             self._notice("a visitor has no name: who is it?")
         elif not self._robot.is_stopped:
-            if not self._hears():
+            drivers = self._robot.session.experiment.drivers
+            if not any(SPEECH_TEXT in spec.offer.sensors for spec in drivers):
                 self._notice("the robot asks for a name, but no device recognises the answer")
             self._introduction = RobotHandshake(
                 self._robot, settings, voice, self.visitors.is_taken
@@ -359,11 +360,6 @@ class VisitorRecognition:
         drivers = self._robot.session.experiment.drivers
         speaking = (spec.name for spec in drivers for verb in spec.offer.verbs if verb.name == _SAY)
         return next(speaking, "")
-
-    def _hears(self) -> bool:
-        return any(
-            SPEECH_TEXT in spec.offer.sensors for spec in self._robot.session.experiment.drivers
-        )
 
     def _notice(
         self,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from woz_tui.config.annotated_decoder import names_of, read_partly
@@ -86,18 +85,14 @@ class PanelReader:
         if panel is None:
             return None
         listed = dict(cursor.entries()).get("actions")
-        actions = self._actions(listed, panel.title) if listed is not None else []
-        found = tuple(actions)
-        return Panel(panel.title, found, cursor.place, panel.locked, panel.covers, panel.for_)
-
-    def _actions(self, cursor: Cursor, panel: str) -> list[Action]:
-        entries = cursor.list("a list of actions")
-        if entries is not None and not entries:
-            cursor.warning("an action is missing here")
-        drafts = [self._action(entry, panel) for entry in entries or ()]
-        found = [draft for draft in drafts if draft is not None]
-        self.drafts += found
-        return [draft.action for draft in found]
+        entries = listed.list("a list of actions") if listed is not None else None
+        if listed is not None and entries == []:
+            listed.warning("an action is missing here")
+        read = [self._action(entry, panel.title) for entry in entries or ()]
+        drafts = [draft for draft in read if draft is not None]
+        self.drafts += drafts
+        actions = tuple(draft.action for draft in drafts)
+        return Panel(panel.title, actions, cursor.place, panel.locked, panel.covers, panel.for_)
 
     def _action(self, cursor: Cursor, panel: str) -> ActionDraft | None:
         table = cursor.table(f"an action, such as {ActionEntry.example}")
@@ -125,23 +120,24 @@ class PanelReader:
         """The key in its normal form; empty if there is none or it is wrong."""
         if cursor is None:
             return ""
+        written: str | list[str] = ""
+        match cursor.node:
+            case ListNode():
+                parts = [read_text(entry, "a key") for entry in cursor.items()]
+                written = [part for part in parts if part is not None]
+            case ScalarNode(is_empty=False, text=text):
+                written = text
+            case ScalarNode():
+                cursor.error("a key is missing here; characters such as # - ! & * need quotes")
+                return ""
+            case _:
+                cursor.error("expected a key such as a, F1 or ctrl+a, not a mapping")
+                return ""
         try:
-            return normal_key(self._written(cursor), self._layout)
+            return normal_key(written, self._layout)
         except KeyNameError as error:
             cursor.error(str(error))
             return ""
-
-    def _written(self, cursor: Cursor) -> str | Sequence[str]:
-        if isinstance(cursor.node, ListNode):
-            parts = [read_text(entry, "a key") for entry in cursor.items()]
-            return [part for part in parts if part is not None]
-        if isinstance(cursor.node, ScalarNode) and not cursor.node.is_empty:
-            return cursor.node.text
-        raise KeyNameError(
-            "a key is missing here; characters such as # - ! & * need quotes"
-            if isinstance(cursor.node, ScalarNode)
-            else "expected a key such as a, F1 or ctrl+a, not a mapping"
-        )
 
     def _steps(
         self, cursor: Cursor, fields: dict[str, Cursor], table: dict[str, Cursor]

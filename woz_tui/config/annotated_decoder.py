@@ -72,11 +72,26 @@ def fields_of(shape: type) -> tuple[SettingField, ...]:
     """The settings of a dataclass, in order. An attribute `from_` is `from` in the file."""
     hints = typing.get_type_hints(shape, include_extras=True)
     optional = not issubclass(shape, fields.Entry)  # None means that an entry has been left out
-    return tuple(
-        _field(item, hints[item.name] if optional else _without_none(hints[item.name]))
-        for item in dataclasses.fields(shape)
-        if item.init
-    )
+    found = []
+    for item in dataclasses.fields(shape):
+        if not item.init:
+            continue
+        annotation = hints[item.name] if optional else _without_none(hints[item.name])
+        default: Any = item.default
+        if item.default_factory is not dataclasses.MISSING:
+            default = item.default_factory()
+        doc = find_note(split_annotation(annotation)[1], fields.Doc)
+        found.append(
+            SettingField(
+                name=item.name.rstrip("_"),
+                attribute=item.name,
+                annotation=annotation,
+                required=default is dataclasses.MISSING,
+                default=default,
+                doc=doc.text if doc is not None else "",
+            )
+        )
+    return tuple(found)
 
 
 def _without_none(annotation: Any) -> Any:
@@ -86,23 +101,6 @@ def _without_none(annotation: Any) -> Any:
         kinds = tuple(kind for kind in typing.get_args(bare) if kind is not type(None))
         bare = typing.Union[kinds]  # noqa: UP007 - as many as there are
     return Annotated[bare, *notes] if notes else bare
-
-
-def _field(item: dataclasses.Field[Any], annotation: Any) -> SettingField:
-    default: Any = dataclasses.MISSING
-    if item.default_factory is not dataclasses.MISSING:
-        default = item.default_factory()
-    elif item.default is not dataclasses.MISSING:
-        default = item.default
-    doc = find_note(split_annotation(annotation)[1], fields.Doc)
-    return SettingField(
-        name=item.name.rstrip("_"),
-        attribute=item.name,
-        annotation=annotation,
-        required=default is dataclasses.MISSING,
-        default=default,
-        doc=doc.text if doc is not None else "",
-    )
 
 
 def split_annotation(annotation: Any) -> tuple[Any, tuple[Any, ...]]:
@@ -235,9 +233,9 @@ def _made(cursor: Cursor, shape: type, values: dict[str, Any]) -> Any:
         return INVALID
     for say, said in ((cursor.report.error, problems), (cursor.report.warning, hints)):
         for path, message in said:
-            full = _below(cursor.path, path)
+            full = _path_below(cursor.path, path)
             say(cursor.report.place(full, cursor.place.file), full, message)
-    if included is not None and not _taken(cursor.report, included):
+    if included is not None and not _add_included(cursor.report, included):
         return INVALID
     return INVALID if problems else made
 
@@ -256,7 +254,7 @@ class IncludedFiles(typing.Protocol):
         """Every file that was read."""
 
 
-def _taken(report: ProblemReport, included: IncludedFiles) -> bool:
+def _add_included(report: ProblemReport, included: IncludedFiles) -> bool:
     """Whether all of the files are right."""
     for source in included.sources:
         report.file(source.name)
@@ -268,7 +266,7 @@ def _taken(report: ProblemReport, included: IncludedFiles) -> bool:
     return all(problem.warning for problem in included.problems)
 
 
-def _below(path: str, inner: str) -> str:
+def _path_below(path: str, inner: str) -> str:
     if not inner:
         return path
     return path + inner if inner.startswith("[") else join(path, inner)
@@ -282,7 +280,7 @@ def read_value(cursor: Cursor, annotation: Any, notes: tuple[Any, ...] = ()) -> 
     if origin in (typing.Union, types.UnionType):
         return _united(cursor, typing.get_args(bare), notes)
     if origin is Literal:
-        return _or_bad(read_word(cursor, [str(word) for word in typing.get_args(bare)]))
+        return _or_invalid(read_word(cursor, [str(word) for word in typing.get_args(bare)]))
     if origin in _SEQUENCES or bare in _SEQUENCES:
         return _sequence(cursor, bare, notes)
     if origin in _MAPPINGS or bare in _MAPPINGS:
@@ -290,14 +288,12 @@ def read_value(cursor: Cursor, annotation: Any, notes: tuple[Any, ...] = ()) -> 
     if dataclasses.is_dataclass(bare) and isinstance(bare, type):
         entry = issubclass(bare, fields.Entry)
         return _entry(cursor, bare, {}) if entry else read_settings(cursor, bare)
-    return _simple(cursor, bare, notes)
-
-
-def _simple(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
     if isinstance(bare, type) and issubclass(bare, enum.Enum):
-        return _enumerated(cursor, bare)
+        members = {str(member.value): member for member in bare}
+        word = read_word(cursor, members)
+        return INVALID if word is None else members[word]
     if bare in (bool, int, float):
-        return _or_bad(_figure(cursor, bare, notes))
+        return _or_invalid(_flag_or_number(cursor, bare, notes))
     if bare is str or (isinstance(bare, type) and issubclass(bare, pathlib.Path)):
         text = _text(cursor, notes, file=bare is not str)
         return INVALID if text is None else bare(text)
@@ -307,7 +303,9 @@ def _simple(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
     return INVALID
 
 
-def _figure(cursor: Cursor, bare: type, notes: tuple[Any, ...]) -> bool | int | float | None:
+def _flag_or_number(
+    cursor: Cursor, bare: type, notes: tuple[Any, ...]
+) -> bool | int | float | None:
     if bare is bool:
         return read_flag(cursor)
     if bare is int:
@@ -318,7 +316,7 @@ def _figure(cursor: Cursor, bare: type, notes: tuple[Any, ...]) -> bool | int | 
     return read_number(cursor, find_note(notes, fields.Range))
 
 
-def _or_bad(value: object) -> Any:
+def _or_invalid(value: object) -> Any:
     return INVALID if value is None else value
 
 
@@ -370,12 +368,6 @@ def _straight(path: pathlib.Path) -> pathlib.Path:
         return path
 
 
-def _enumerated(cursor: Cursor, kind: type[enum.Enum]) -> Any:
-    members = {str(member.value): member for member in kind}
-    word = read_word(cursor, members)
-    return INVALID if word is None else members[word]
-
-
 def _sequence(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
     alone = isinstance(cursor.node, ScalarNode | MappingNode)
     several = find_note(notes, fields.OneOrMore)
@@ -394,22 +386,18 @@ def _sequence(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
     kinds = inner if fixed else (inner[0],) * len(entries)
     values = [read_value(entry, kind, notes) for entry, kind in zip(entries, kinds, strict=True)]
     good = [value for value in values if not isinstance(value, Invalid)]
-    twice = find_note(notes, fields.Unique) is not None and not _different(entries, values)
+    twice: list[Cursor] = []
+    if find_note(notes, fields.Unique) is not None:
+        twice = [
+            entry
+            for at, entry in enumerate(entries)
+            if values[at] is not INVALID and values[at] in values[:at]
+        ]
+    for entry in twice:
+        entry.error(f"{described(entry.node)} appears twice")
     origin = typing.get_origin(bare) or bare
     made = origin(good) if origin in (list, frozenset) else tuple(good)
     return Invalid(made) if twice or len(good) < len(values) else made
-
-
-def _different(entries: Sequence[Cursor], values: Sequence[Any]) -> bool:
-    """Whether no value stands twice; what does is reported."""
-    twice = [
-        entry
-        for at, entry in enumerate(entries)
-        if values[at] is not INVALID and values[at] in values[:at]
-    ]
-    for entry in twice:
-        entry.error(f"{described(entry.node)} appears twice")
-    return not twice
 
 
 def _mapping(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
@@ -437,7 +425,7 @@ def _united(cursor: Cursor, members: tuple[Any, ...], notes: tuple[Any, ...]) ->
         value = read_value(Cursor(cursor.node, cursor.path, cursor.place, attempt), kind, notes)
         if not isinstance(value, Invalid):
             return read_value(cursor, kind, notes)
-    kinds = " or ".join(_spoken(kind) for kind in members if kind is not type(None))
+    kinds = " or ".join(_type_in_words(kind) for kind in members if kind is not type(None))
     bracket = TEXT_WITH_BRACKET if str in members and isinstance(cursor.node, ListNode) else ""
     cursor.error(f"expected {kinds}, not {described(cursor.node)}{bracket}")
     return INVALID
@@ -470,7 +458,7 @@ def _breadth(annotation: Any) -> int:
     return {bool: 0, int: 1, float: 2}.get(bare, 3)
 
 
-def _spoken(annotation: Any) -> str:
+def _type_in_words(annotation: Any) -> str:
     bare, notes = split_annotation(annotation)
     if (one_of := find_note(notes, fields.OneOf)) is not None:
         return "one of " + ", ".join(one_of.choices)
@@ -493,12 +481,12 @@ def plain_data(node: Node) -> Any:
         case MappingNode():
             return {name: plain_data(value) for name, _, value in node.items()}
         case ScalarNode(plain=True, text=text):
-            return _guess(text)
+            return _plain_value(text)
         case _:
             return node.text
 
 
-def _guess(text: str) -> Any:
+def _plain_value(text: str) -> Any:
     if text in ("", "~", "null"):
         return None
     if text in ("true", "false"):

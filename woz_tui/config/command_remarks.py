@@ -65,13 +65,13 @@ class CommandChecker:
             return
         for given in self._renderings(args, choices):
             written = Written(offer.verb.name, given, self.folder)
-            told = {
+            wrong = {
                 finding.subject
-                for finding in (*_findings(offer, written, verb), *_left_out(offer, given))
-                if _say(finding, cursors.get(finding.subject, verb))
+                for finding in (*_findings(offer, written, verb), *_markup_left_out(offer, given))
+                if _report_finding(finding, cursors.get(finding.subject, verb))
             }
             for name in hidden_arguments(offer.verb, given):
-                if name not in told:
+                if name not in wrong:
                     cursors.get(name, verb).error(SECRET)
 
     def _renderings(
@@ -110,7 +110,7 @@ def _findings(offer: VerbOffer, written: Written, verb: Cursor) -> Iterable[Find
         return ()
 
 
-def _left_out(offer: VerbOffer, given: Mapping[str, Json]) -> Iterable[Finding]:
+def _markup_left_out(offer: VerbOffer, given: Mapping[str, Json]) -> Iterable[Finding]:
     """Markup of a sentence that this voice cannot do."""
     if offer.verb.markup is None or not offer.verb.arguments:
         return
@@ -126,7 +126,7 @@ def _left_out(offer: VerbOffer, given: Mapping[str, Json]) -> Iterable[Finding]:
         yield Finding("warning", name, what, "")
 
 
-def _say(finding: Finding, cursor: Cursor) -> bool:
+def _report_finding(finding: Finding, cursor: Cursor) -> bool:
     """Report it, unless it has been said here already; whether it is an error."""
     message = f"{finding.text}; {finding.remedy}" if finding.remedy else finding.text
     if finding.level == "error":
@@ -139,14 +139,13 @@ def _say(finding: Finding, cursor: Cursor) -> bool:
 
 def hidden_arguments(verb: Verb | None, given: Mapping[str, Json]) -> list[str]:
     """Names of the arguments with something in them that the verb hides."""
-    known = {name: _guessed(value) for name, value in given.items()}
+    # A digit in its gaps fits where a name, a number or a code is meant.
+    known = {
+        name: value.replace(UNKNOWN, "1") if isinstance(value, str) else value
+        for name, value in given.items()
+    }
     shown = hidden(verb, known)
     return [name for name, value in known.items() if shown.get(name) != value]
-
-
-def _guessed(value: Json) -> Json:
-    """A text without gaps: a digit fits where a name, a number or a code is meant."""
-    return value.replace(UNKNOWN, "1") if isinstance(value, str) else value
 
 
 def _rendered(value: Json, values: Values) -> Json:

@@ -21,7 +21,7 @@ from woz_tui.config.problems import ProblemReport, join, quoted
 from woz_tui.config.robots import DriverRequests, Robots, VerbOffer
 from woz_tui.config.utterance_template import names
 from woz_tui.config.yaml_cursor import Cursor, check_different, texts_of
-from woz_tui.drivers.contract import FACE_CONSENT, Argument, Ask, Verb, gives_consent
+from woz_tui.drivers.contract import FACE_CONSENT, Ask, Verb, gives_consent
 from woz_tui.drivers.face_store import key_of
 from woz_tui.drivers.fields import Port, Range
 from woz_tui.protocol.messages import Json
@@ -36,7 +36,7 @@ def check_across(
     """Check what no single entry can know of; `table`: the file's top level; `drafts`: all actions
     with their places.
     """
-    _ports(experiment, report)
+    _check_ports(experiment, report)
     panels = table["panels"].items() if "panels" in table else ()
     titles = [
         (panel, name)
@@ -46,15 +46,15 @@ def check_across(
     check_different(titles, "a panel", ("title",))
     named = [(draft.cursor, draft.action.name) for draft in drafts]
     check_different(named, "an action", ("name", "label"))
-    _keys(drafts, experiment.keyboard)
+    _check_keys(drafts, experiment.keyboard)
     actions = {draft.action.name: draft.action for draft in drafts}
     for draft in drafts:
         check_actions(draft.entries.get("then"), actions)
-    _parts(experiment, report)
-    _faces(experiment, drafts)
+    _check_parts(experiment, report)
+    _check_consents(experiment, drafts)
 
 
-def _faces(experiment: Experiment, drafts: Sequence[ActionDraft]) -> None:
+def _check_consents(experiment: Experiment, drafts: Sequence[ActionDraft]) -> None:
     """An action that learns a face does nothing where no action gives a consent for it."""
     calls = [(draft, call) for draft in drafts for call in draft.action.calls]
     given = [
@@ -85,7 +85,7 @@ def _may_be(name: str, other: str) -> bool:
     return bool(names(name) or names(other)) or key_of(name) == key_of(other)
 
 
-def _parts(experiment: Experiment, report: ProblemReport) -> None:
+def _check_parts(experiment: Experiment, report: ProblemReport) -> None:
     """Two parts that differ by one slip of a finger are probably meant as one. A control panel of a
     part that is nobody's could play nothing.
     """
@@ -117,7 +117,7 @@ def _alike(one: str, other: str) -> bool:
     return short in shorter
 
 
-def _ports(experiment: Experiment, report: ProblemReport) -> None:
+def _check_ports(experiment: Experiment, report: ProblemReport) -> None:
     """A serial port has one owner; two would read half of each other's bytes."""
     owner: dict[str, str] = {}
     for spec in experiment.drivers:
@@ -151,7 +151,7 @@ def check_covers(
                 report.error_at(path, f"no driver offers {quoted(verb)}{report.hint(verb, known)}")
 
 
-def _keys(drafts: Sequence[ActionDraft], layout: str) -> None:
+def _check_keys(drafts: Sequence[ActionDraft], layout: str) -> None:
     """Two things on one key, in the file's order."""
     keys = FileKeys(layout)
     for draft in drafts:
@@ -198,7 +198,7 @@ def check_asks(
             if hidden_arguments(offers[0].verb if len(offers) == 1 else None, ask.args):
                 full, place, _ = _where(asking, path, report)
                 report.error(place, full, SECRET)
-            for message in _wrong(ask, offers, known, report):
+            for message in _why_impossible(ask, offers, known, report):
                 full, place, written = _where(asking, path, report)
                 (report.error if written else report.warning)(place, full, message)
 
@@ -217,7 +217,7 @@ def _where(
     return full, report.place(full, file), False
 
 
-def _wrong(
+def _why_impossible(
     ask: Ask, offers: Sequence[VerbOffer], known: _Requestable, report: ProblemReport
 ) -> Iterator[str]:
     if ask.what == "action" and ask.name not in known.actions:
@@ -228,7 +228,7 @@ def _wrong(
     if ask.what != "verb":
         return
     if len(offers) == 1:
-        yield from _arguments(offers[0].verb, ask.args, report)
+        yield from _wrong_arguments(offers[0].verb, ask.args, report)
     elif offers:
         who = " and ".join(offer.driver for offer in offers)
         yield f"{ask.name!r} is offered by {who}; name one of them with on"
@@ -238,14 +238,24 @@ def _wrong(
         yield f"{whom} {ask.name!r}{report.hint(ask.name, verbs)}"
 
 
-def _arguments(verb: Verb, args: Mapping[str, Json], report: ProblemReport) -> Iterator[str]:
+def _wrong_arguments(verb: Verb, args: Mapping[str, Json], report: ProblemReport) -> Iterator[str]:
     takes = {argument.name: argument for argument in verb.arguments}
     for name, value in args.items():
-        if name in takes:
-            yield from _value(takes[name], value, report)
-        else:
+        argument = takes.get(name)
+        if argument is None:
             near = report.hint(name, takes, or_list="it takes")
             yield f"{verb.name} has no argument {name!r}{near}"
+            continue
+        if argument.choices and value not in argument.choices:
+            near = report.hint(str(value), argument.choices, or_list="there are")
+            yield f"{quoted(str(value))} is no {argument.name}{near}"
+        numeric = argument.kind in ("number", "whole", "seconds")
+        if numeric and (isinstance(value, bool) or not isinstance(value, int | float)):
+            yield f"{argument.name} must be a number, not {quoted(str(value))}"
+        elif isinstance(value, int | float) and not (argument.range or Range()).contains(value):
+            yield f"{argument.name} must be {argument.range}, not {value:g}"
+        if argument.kind == "flag" and not isinstance(value, bool):
+            yield f"{argument.name} must be true or false, not {quoted(str(value))}"
     for name, argument in takes.items():
         if argument.required and name not in args:
             yield f"{verb.name} needs {name!r}"
@@ -263,16 +273,3 @@ def _offers(ask: Ask, asking: DriverRequests, known: _Requestable) -> Sequence[V
     if all(spec.name != on for spec in known.robots.drivers) and ask.on:
         on = ask.on  # of another robot
     return [one for one in offers if one.driver == on or one.driver.startswith(f"{on}.")]
-
-
-def _value(argument: Argument, value: Json, report: ProblemReport) -> Iterator[str]:
-    if argument.choices and value not in argument.choices:
-        near = report.hint(str(value), argument.choices, or_list="there are")
-        yield f"{quoted(str(value))} is no {argument.name}{near}"
-    numeric = argument.kind in ("number", "whole", "seconds")
-    if numeric and (isinstance(value, bool) or not isinstance(value, int | float)):
-        yield f"{argument.name} must be a number, not {quoted(str(value))}"
-    elif isinstance(value, int | float) and not (argument.range or Range()).contains(value):
-        yield f"{argument.name} must be {argument.range}, not {value:g}"
-    if argument.kind == "flag" and not isinstance(value, bool):
-        yield f"{argument.name} must be true or false, not {quoted(str(value))}"

@@ -24,7 +24,7 @@ from woz_tui.config.annotated_decoder import (
 )
 from woz_tui.config.engagement import EngagementSettings, HandshakeSettings, SoundSettings
 from woz_tui.config.engagement_words import CONDITION, SIGNS, STATES, STOPPED
-from woz_tui.config.experiment import Action, Call, Engagement, ParallelCalls, Step, Wait
+from woz_tui.config.experiment import Action, Engagement, ParallelCalls, Step, Wait
 from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.robots import Robots
@@ -78,27 +78,25 @@ class EngagementReader:
             return None
         settings: Any = read_settings(cursor, EngagementSettings, others=(ON_ENTER,))
         sections = dict(cursor.entries())
-        _sentences(sections.get("handshake"))
+        _check_sentences(sections.get("handshake"))
         effects: dict[str, Action] = {}
         plays: dict[str, tuple[str, ...]] = {}
-        for state, entry in self._states(sections.get(ON_ENTER)):
+        entered = sections.get(ON_ENTER)
+        expected = "a mapping of states, such as {Wait: [{eyes: off}]}"
+        states = entered.table(expected) if entered is not None else None
+        for state, entry in (states or {}).items():
+            if state not in ENTERED:
+                entry.unknown(ENTERED, "states are")
+                continue
             steps, names = self._entered(entry)
             if steps:
-                effects[state] = _effect(state, steps, entry)
+                name = effect_name(state)
+                effects[state] = Action(
+                    name=name, label=name, key="", panel="", steps=steps, place=entry.place
+                )
             if names:
                 plays[state] = names
         return None if settings is INVALID else Engagement(settings, effects, plays)
-
-    def _states(self, cursor: Cursor | None) -> Iterator[tuple[str, Cursor]]:
-        example = "{Wait: [{eyes: off}]}"
-        table = (
-            cursor.table(f"a mapping of states, such as {example}") if cursor is not None else None
-        )
-        for state, entry in (table or {}).items():
-            if state in ENTERED:
-                yield state, entry
-            else:
-                entry.unknown(ENTERED, "states are")
 
     def _entered(self, cursor: Cursor) -> tuple[tuple[Step, ...], tuple[str, ...]]:
         """Steps of its own, and names of actions."""
@@ -109,7 +107,7 @@ class EngagementReader:
         names: list[str] = []
         for entry in entries:
             if isinstance(entry.node, ScalarNode):
-                name = self._named(entry, late=any(isinstance(step, Wait) for step in steps))
+                name = self._action_named(entry, late=any(isinstance(step, Wait) for step in steps))
                 names += [] if name is None else [name]
                 continue
             verbs = _only_verbs(entry)
@@ -119,14 +117,17 @@ class EngagementReader:
                 steps.append(step)
         return tuple(steps), tuple(names)
 
-    def _named(self, cursor: Cursor, *, late: bool) -> str | None:
+    def _action_named(self, cursor: Cursor, *, late: bool) -> str | None:
         """The name of an action; `late`: it stands behind a pause."""
         name = read_text(cursor, "the name of an action, or verbs such as {say: Hello}")
         if name is None:
             return None
         action = self._actions.get(name)
         if action is None:
-            cursor.error(f"there is no action {quoted(name)}{self._meant(cursor, name)}")
+            meant = cursor.report.hint(name, self._actions, or_list="actions are")
+            if name in self._vocabulary.names:
+                meant = f"; write a verb in braces: {{{name}: ...}}"
+            cursor.error(f"there is no action {quoted(name)}{meant}")
             return None
         if action.locked:
             cursor.warning(f"{quoted(name)} is locked and cannot be played")
@@ -138,11 +139,6 @@ class EngagementReader:
         for step in action.steps:
             _no_chase(cursor, step)
         return name
-
-    def _meant(self, cursor: Cursor, name: str) -> str:
-        if name in self._vocabulary.names:
-            return f"; write a verb in braces: {{{name}: ...}}"
-        return cursor.report.hint(name, self._actions, or_list="actions are")
 
 
 def _only_verbs(cursor: Cursor) -> Cursor | None:
@@ -158,28 +154,18 @@ def _only_verbs(cursor: Cursor) -> Cursor | None:
     return cursor.only(verbs) if verbs or not strange else None
 
 
-def _effect(state: str, steps: tuple[Step, ...], cursor: Cursor) -> Action:
-    name = effect_name(state)
-    return Action(name=name, label=name, key="", panel="", steps=steps, place=cursor.place)
-
-
 def _no_chase(cursor: Cursor, step: Step) -> None:
     """A state that is left by its own effect could lead round in a circle for ever."""
     for call in step.calls if isinstance(step, ParallelCalls) else ():
-        if _moves(call):
+        step_on = call.verb == "engagement" and call.args.get("run") == "step"
+        if call.driver == ENGAGEMENT and (call.verb == "force" or step_on):
             cursor.error(
                 f"{call.verb!r} changes the state, which is not allowed here: the states could"
                 " change in an endless loop"
             )
 
 
-def _moves(call: Call) -> bool:
-    if call.driver != ENGAGEMENT:
-        return False
-    return call.verb == "force" or (call.verb == "engagement" and call.args.get("run") == "step")
-
-
-def _sentences(handshake: Cursor | None) -> None:
+def _check_sentences(handshake: Cursor | None) -> None:
     """The handshake's sentences know `{name}` and nothing else."""
     sections = dict(handshake.entries()) if handshake is not None else {}
     for item in fields_of(HandshakeSettings):
@@ -198,27 +184,35 @@ def check_engagement(
     engagement: Engagement, robots: Robots, drafts: Sequence[ActionDraft], report: ProblemReport
 ) -> None:
     """Report what does not fit together; `drafts` are all actions of the panels."""
-    _names(engagement, drafts)
-    _confirmation(engagement.settings, report)
-    _partners(engagement.settings, report)
+    _check_names(engagement, drafts)
+    _check_confirmation(engagement.settings, report)
+    _check_partners(engagement.settings, report)
     if robots.incomplete:
         return
-    _verbs(robots, report)
+    _check_verbs(robots, report)
     published = [
         name for names in published_names(robots.drivers).values() for name in names.values()
     ]
-    _sensors(engagement.settings, published, report)
-    given = {*published, *_given(drafts), *_signs_of_buttons(robots)}
-    _signs(engagement.settings, given, published, report)
-    _choices(engagement.settings, published, report)
+    _check_sensors(engagement.settings, published, report)
+    by_actions = {sign for draft in drafts for sign in signs_given(draft.action)}
+    by_buttons = {
+        sign
+        for asking in robots.asking
+        for _, ask in asking.spec.offer.asks
+        if ask.what == "verb"
+        for sign in _signs_of_verb(ask.name, ask.args)
+    }
+    given = {*published, *by_actions, *by_buttons}
+    _check_signs(engagement.settings, given, published, report)
+    _check_choices(engagement.settings, published, report)
     agrees = any(
         gives_consent(call.verb, call.args) for draft in drafts for call in draft.action.calls
     )
-    _handshake(engagement.settings, robots, published, report, agrees=agrees)
-    _looks(engagement.settings, robots, published, report)
+    _check_handshake(engagement.settings, robots, published, report, agrees=agrees)
+    _check_looks(engagement.settings, robots, published, report)
 
 
-def _names(engagement: Engagement, drafts: Sequence[ActionDraft]) -> None:
+def _check_names(engagement: Engagement, drafts: Sequence[ActionDraft]) -> None:
     taken = {effect_name(state) for state in engagement.effects}
     for draft in drafts:
         if draft.action.name in taken:
@@ -229,7 +223,7 @@ def _names(engagement: Engagement, drafts: Sequence[ActionDraft]) -> None:
             )
 
 
-def _confirmation(settings: EngagementSettings, report: ProblemReport) -> None:
+def _check_confirmation(settings: EngagementSettings, report: ProblemReport) -> None:
     """Nobody can say whether a name was understood that they have not heard."""
     if "name" not in utterance_template.names(settings.handshake.confirm):
         path = f"{SECTION}.handshake.confirm"
@@ -237,7 +231,7 @@ def _confirmation(settings: EngagementSettings, report: ProblemReport) -> None:
         report.warning_at(path, said)
 
 
-def _partners(settings: EngagementSettings, report: ProblemReport) -> None:
+def _check_partners(settings: EngagementSettings, report: ProblemReport) -> None:
     """Only a camera that turns with the head finds somebody else."""
     attention = settings.attention
     if attention.mode == "Unengaged" and not (attention.look and attention.camera == "head"):
@@ -248,7 +242,7 @@ def _partners(settings: EngagementSettings, report: ProblemReport) -> None:
         report.warning_at(f"{SECTION}.attention.mode", said)
 
 
-def _looks(
+def _check_looks(
     settings: EngagementSettings, robots: Robots, published: list[str], report: ProblemReport
 ) -> None:
     """A robot that looks to a sound must hear where it is, and turn its head."""
@@ -261,7 +255,7 @@ def _looks(
         report.warning_at(f"{SECTION}.attention.look", said)
 
 
-def _verbs(robots: Robots, report: ProblemReport) -> None:
+def _check_verbs(robots: Robots, report: ProblemReport) -> None:
     for name in ENGAGEMENT_VERBS:
         for offer in robots.offers.get(name, ()):
             report.warning_at(
@@ -270,7 +264,9 @@ def _verbs(robots: Robots, report: ProblemReport) -> None:
             )
 
 
-def _sensors(settings: EngagementSettings, published: list[str], report: ProblemReport) -> None:
+def _check_sensors(
+    settings: EngagementSettings, published: list[str], report: ProblemReport
+) -> None:
     """Sensors that the section names must be there, and each can give one thing only."""
     names = {sign: settings.sign(sign).sensor or sign for sign in SIGNS}
     names["sound"] = settings.sound.sensor
@@ -286,7 +282,7 @@ def _sensors(settings: EngagementSettings, published: list[str], report: Problem
             report.error_at(path, said)
 
 
-def _signs(
+def _check_signs(
     settings: EngagementSettings, given: set[str], published: list[str], report: ProblemReport
 ) -> None:
     """Somebody must give each sign of the condition: a sensor or the wizard."""
@@ -306,7 +302,9 @@ def _signs(
         )
 
 
-def _choices(settings: EngagementSettings, published: list[str], report: ProblemReport) -> None:
+def _check_choices(
+    settings: EngagementSettings, published: list[str], report: ProblemReport
+) -> None:
     """Where several robots give the same, one of them must be named."""
     wanted = {sign: sign for sign in (*settings.signs, "identity")}
     wanted = {part: name for part, name in wanted.items() if not settings.sign(part).sensor}
@@ -323,7 +321,7 @@ def _choices(settings: EngagementSettings, published: list[str], report: Problem
             )
 
 
-def _handshake(
+def _check_handshake(
     settings: EngagementSettings,
     robots: Robots,
     published: list[str],
@@ -372,21 +370,15 @@ def _several(name: str, published: list[str]) -> list[str]:
     return [each for each in published if each.endswith(f".{name}")]
 
 
-def _given(drafts: Sequence[ActionDraft]) -> Iterator[str]:
-    """Signs that some action gives."""
-    for draft in drafts:
-        yield from signs_given(draft.action)
-
-
 def signs_given(action: Action) -> Iterator[str]:
     """Signs that an action gives by the wizard's hand."""
     for step in action.steps:
         for call in step.calls if isinstance(step, ParallelCalls) else ():
             if call.driver == ENGAGEMENT:
-                yield from _of_verb(call.verb, call.args)
+                yield from _signs_of_verb(call.verb, call.args)
 
 
-def _of_verb(verb: str, args: Mapping[str, Json]) -> Sequence[str]:
+def _signs_of_verb(verb: str, args: Mapping[str, Json]) -> Sequence[str]:
     """Signs that a verb gives; giving them back to their sensors is the opposite."""
     if verb == "visitor":
         return ("identity",)
@@ -394,11 +386,3 @@ def _of_verb(verb: str, args: Mapping[str, Json]) -> Sequence[str]:
         return ()
     sign = str(args.get("sign"))
     return CONDITION if sign == "all" else (sign,)
-
-
-def _signs_of_buttons(robots: Robots) -> Iterator[str]:
-    """Signs that some driver's buttons give."""
-    for asking in robots.asking:
-        for _, ask in asking.spec.offer.asks:
-            if ask.what == "verb":
-                yield from _of_verb(ask.name, ask.args)

@@ -43,32 +43,24 @@ def read_source(path: Path, name: str, data: bytes | None = None) -> SourceFile:
     """Read a regular file of at most `MAX_BYTES`, or `data` as if it held that. Raises
     `SourceFileError`.
     """
-    data = _bytes(path) if data is None else _small(data)
-    return SourceFile(name, path, data, decode_utf8(data))
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        with open_regular(path) as file:
-            data = file.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise SourceFileError("there is no such file") from None
-    except IsADirectoryError:
-        raise SourceFileError("this is a folder, not a file") from None
-    except NotRegularError:
-        raise SourceFileError("this is not a file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise SourceFileError(f"cannot be read: {reason}") from error
-    return _small(data)
-
-
-def _small(data: bytes) -> bytes:
+    if data is None:
+        try:
+            with open_regular(path) as file:
+                data = file.read(MAX_BYTES + 1)
+        except FileNotFoundError:
+            raise SourceFileError("there is no such file") from None
+        except IsADirectoryError:
+            raise SourceFileError("this is a folder, not a file") from None
+        except NotRegularError:
+            raise SourceFileError("this is not a file") from None
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            raise SourceFileError(f"cannot be read: {reason}") from error
     if len(data) > MAX_BYTES:
         raise SourceFileError(
             f"the file is larger than {MAX_BYTES >> 20} MiB; check that it is the right file"
         )
-    return data
+    return SourceFile(name, path, data, decode_utf8(data))
 
 
 def decode_utf8(data: bytes) -> str:

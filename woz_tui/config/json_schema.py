@@ -196,7 +196,15 @@ def experiment_schema(
 
     `tell` hears of drivers whose verbs are left out because nobody knows them.
     """
-    verbs = _verbs(catalogue, tell)
+    verbs = _verbs_of_all(catalogue, tell)
+    spoken = _verb_properties(verbs)
+    action = settings_schema(ActionEntry)
+    until = action["properties"]["until"]
+    action["properties"] = {**spoken, **action["properties"]}
+    wait = {**SECONDS, "description": WAIT.summary}
+    step = mapping({**spoken, "on": _ON, "until": until, "wait": wait})
+    step["minProperties"] = 1
+    cues = {cue: {**_ONE_OR_MORE, "description": f"what answers the cue {cue}"} for cue in CUES}
     experiment = settings_schema(ExperimentFile)
     properties = experiment["properties"]
     experiment["properties"] = {name: properties[name] for name in TOP_LEVEL}
@@ -209,7 +217,7 @@ def experiment_schema(
             "robot": _robot(catalogue),
             "robot_or_file": _ROBOT_OR_FILE,
             "engagement": _engagement(),
-            "answers": _answers(),
+            "answers": {"oneOf": [mapping(cues), _ONE_OR_MORE]},
             **{
                 name: schema
                 for section in pieces("section", FeatureSection).values()
@@ -218,9 +226,9 @@ def experiment_schema(
             "key": _KEY,
             "on": _ON,
             "actions": {"type": "array", "items": {"$ref": "#/$defs/action"}},
-            "action": _action(verbs),
+            "action": action,
             "steps": {"type": "array", "items": {"$ref": "#/$defs/step"}, "minItems": 1},
-            "step": _step(verbs),
+            "step": step,
             "chosen": _CHOSEN,
         },
     }
@@ -287,11 +295,6 @@ def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
     return mapping(keys, required=("drivers",))
 
 
-def _answers() -> Schema:
-    cues = {cue: {**_ONE_OR_MORE, "description": f"what answers the cue {cue}"} for cue in CUES}
-    return {"oneOf": [mapping(cues), _ONE_OR_MORE]}
-
-
 def _engagement() -> Schema:
     """Settings of the model, and steps or names of actions by state."""
     step: Schema = {"$ref": "#/$defs/step"}
@@ -310,37 +313,23 @@ def _engagement() -> Schema:
     return schema
 
 
-def _action(verbs: Sequence[Verb]) -> Schema:
-    schema = settings_schema(ActionEntry)
-    schema["properties"] = {**_spoken(verbs), **schema["properties"]}
-    return schema
-
-
-def _step(verbs: Sequence[Verb]) -> Schema:
-    wait = {**SECONDS, "description": WAIT.summary}
-    until = settings_schema(ActionEntry)["properties"]["until"]
-    schema = mapping({**_spoken(verbs), "on": _ON, "until": until, "wait": wait})
-    schema["minProperties"] = 1
-    return schema
-
-
-def _spoken(verbs: Sequence[Verb]) -> Schema:
+def _verb_properties(verbs: Sequence[Verb]) -> Schema:
     """Every verb, and every argument that may stand beside one."""
     arguments: dict[str, list[tuple[str, Argument]]] = {}
     for verb in verbs:
         for argument in verb.arguments:
             arguments.setdefault(argument.name, []).append((verb.name, argument))
-    properties = {name: _beside(found) for name, found in arguments.items()}
+    properties: Schema = {}
+    for name, found in arguments.items():
+        owners = ", ".join(dict.fromkeys(verb for verb, _ in found))
+        summary = next((argument.summary for _, argument in found if argument.summary), "")
+        properties[name] = {
+            **either([_argument(argument) for _, argument in found]),
+            "description": f"{summary} (of {owners})".strip(),
+        }
     for verb in verbs:
         properties[verb.name] = _verb(verb, properties.get(verb.name))
     return properties
-
-
-def _beside(found: Sequence[tuple[str, Argument]]) -> Schema:
-    schema = either([_argument(argument) for _, argument in found])
-    owners = ", ".join(dict.fromkeys(verb for verb, _ in found))
-    summary = next((argument.summary for _, argument in found if argument.summary), "")
-    return {**schema, "description": f"{summary} (of {owners})".strip()}
 
 
 def _verb(verb: Verb, as_argument: Schema | None) -> Schema:
@@ -379,7 +368,7 @@ def _argument(argument: Argument) -> Schema:
     return {"anyOf": [text, {"$ref": "#/$defs/chosen"}]}
 
 
-def _verbs(catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None]) -> list[Verb]:
+def _verbs_of_all(catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None]) -> list[Verb]:
     """All verbs of all drivers, one of each name; choices stay open where settings make them."""
     merged: dict[str, Verb] = {}
     for name in sorted(catalogue):
@@ -393,10 +382,15 @@ def _verbs(catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None]) -
             continue
         for verb in offered:
             known = merged.get(verb.name)
-            merged[verb.name] = verb if known is None else _merged(known, verb)
+            merged[verb.name] = verb if known is None else _merged_verb(known, verb)
     sections = pieces("section", FeatureSection).values()
     of_features = [verb for each in sections for verb in each.verbs]
-    return [*merged.values(), *map(_opened, session_verbs()), *of_features, *engagement_verbs()]
+    return [
+        *merged.values(),
+        *map(_with_open_choices, session_verbs()),
+        *of_features,
+        *engagement_verbs(),
+    ]
 
 
 def _sample_verbs(driver: type[Driver]) -> Iterable[Verb]:
@@ -410,15 +404,15 @@ def _sample_verbs(driver: type[Driver]) -> Iterable[Verb]:
             # Not every switch goes with this sample; then it has nothing to say here.
             with contextlib.suppress(Exception):
                 offered += driver.offer(dataclasses.replace(sample, **{item.attribute: True})).verbs
-    return [_opened(verb) for verb in offered]
+    return [_with_open_choices(verb) for verb in offered]
 
 
-def _opened(verb: Verb) -> Verb:
+def _with_open_choices(verb: Verb) -> Verb:
     arguments = tuple(dataclasses.replace(argument, choices=()) for argument in verb.arguments)
     return dataclasses.replace(verb, arguments=arguments)
 
 
-def _merged(one: Verb, other: Verb) -> Verb:
+def _merged_verb(one: Verb, other: Verb) -> Verb:
     """A verb that takes what either takes, ranges left open where they differ."""
     known = {argument.name: argument for argument in one.arguments}
     for argument in other.arguments:

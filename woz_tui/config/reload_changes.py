@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from woz_tui.config.experiment import (
     Action,
     Call,
-    DriverSpec,
     Engagement,
     Experiment,
     ParallelCalls,
-    Step,
     Wait,
 )
 from woz_tui.config.feature_section import FeatureSection
-from woz_tui.config.study import Study
 from woz_tui.feature import answers_of, pieces
 
 
@@ -42,7 +39,7 @@ def compare(old: Experiment, new: Experiment) -> ReloadChanges:
     for name, section in pieces("section", FeatureSection).items():
         if section.tells_condition:
             telling += answers_of(name, section.changes, section.of(old), section.of(new))
-    return ReloadChanges((*drivers, *_rest(old, new)), drivers, tuple(telling))
+    return ReloadChanges((*drivers, *_other_changes(old, new)), drivers, tuple(telling))
 
 
 def _drivers(old: Experiment, new: Experiment) -> Iterable[str]:
@@ -50,34 +47,25 @@ def _drivers(old: Experiment, new: Experiment) -> Iterable[str]:
     after = {spec.name: spec for spec in new.drivers}
     yield from _came_and_went("driver", before, after)
     for name, spec in after.items():
-        if name in before:
-            yield from _driver(before[name], spec)
+        was = before.get(name)
+        if was is None:
+            continue
+        if was.type != spec.type:
+            yield f"driver {name!r} is of type {spec.type}, it was {was.type}"
+        elif was.at != spec.at:
+            yield f"driver {name!r} is at another computer"
+        elif was.process != spec.process:
+            yield f"driver {name!r} runs in another process"
+        elif was.settings != spec.settings:
+            changed = [
+                setting
+                for setting in getattr(spec.settings, "__dataclass_fields__", {})
+                if getattr(was.settings, setting) != getattr(spec.settings, setting)
+            ]
+            yield f"driver {name!r} has other settings: {', '.join(changed)}"
 
 
-def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
-    if old.type != new.type:
-        yield f"driver {new.name!r} is of type {new.type}, it was {old.type}"
-    elif old.at != new.at:
-        yield f"driver {new.name!r} is at another computer"
-    elif old.process != new.process:
-        yield f"driver {new.name!r} runs in another process"
-    elif old.settings != new.settings:
-        changed = [
-            name
-            for name in getattr(new.settings, "__dataclass_fields__", {})
-            if getattr(old.settings, name) != getattr(new.settings, name)
-        ]
-        yield f"driver {new.name!r} has other settings: {', '.join(changed)}"
-
-
-#: What has names: its entries by them.
-_COLLECTIONS: Mapping[str, Callable[[Experiment], Mapping[str, object]]] = {
-    "variable": lambda read: {**read.variables, **read.by_condition},
-    "preflight": lambda read: dict.fromkeys(read.study.preflight),
-}
-
-
-def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
+def _other_changes(old: Experiment, new: Experiment) -> Iterable[str]:
     if old.title != new.title:
         yield f"title is {new.title!r}, it was {old.title!r}"
     for what in (*("participant_pattern", "language", "keyboard", "session", "sensors", "steps"),):
@@ -88,9 +76,18 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
         yield from _engagement(old.engagement, new.engagement)
     elif old.engagement is not new.engagement:
         yield f"engagement is {'new' if old.engagement is None else 'removed'}"
-    for what, named in _COLLECTIONS.items():
-        yield from changed_entries(what, named(old), named(new))
-    yield from _study(old.study, new.study)
+    was, now = old.study, new.study
+    yield from changed_entries(
+        "variable",
+        {**old.variables, **old.by_condition},
+        {**new.variables, **new.by_condition},
+    )
+    yield from changed_entries(
+        "preflight", dict.fromkeys(was.preflight), dict.fromkeys(now.preflight)
+    )
+    yield from changed_settings("perception", was.perception, now.perception)
+    if was.answers != now.answers:
+        yield "answers changed"
     yield from _panels(old, new)
     yield from _actions(old, new)
     for name, section in pieces("section", FeatureSection).items():
@@ -115,12 +112,6 @@ def _engagement(old: Engagement, new: Engagement) -> Iterable[str]:
         was, now = old.plays.get(state, ()), new.plays.get(state, ())
         if was != now:
             yield f"on {state} plays {_listed(now)}, it was {_listed(was)}"
-
-
-def _study(old: Study, new: Study) -> Iterable[str]:
-    yield from changed_settings("perception", old.perception, new.perception)
-    if old.answers != new.answers:
-        yield "answers changed"
 
 
 def changed_settings(what: str, old: object | None, new: object | None) -> Iterable[str]:
@@ -247,16 +238,15 @@ def _without_words(action: Action) -> Action:
 
 def essences(action: Action) -> list[object]:
     """What an action does, without the places in the file, which move with every line above."""
-    return [*map(_essence, action.steps)]
-
-
-def _essence(step: Step) -> object:
-    """A step without its place in the file, which moves with every line above it."""
-    return step.seconds if isinstance(step, Wait) else [_spoken(call) for call in step.calls]
-
-
-def _spoken(call: Call) -> tuple[str, str, str, dict[str, object]]:
-    return call.driver, call.verb, call.until, {**call.args, **call.choices}
+    return [
+        step.seconds
+        if isinstance(step, Wait)
+        else [
+            (call.driver, call.verb, call.until, {**call.args, **call.choices})
+            for call in step.calls
+        ]
+        for step in action.steps
+    ]
 
 
 def changed_entries(

@@ -76,7 +76,6 @@ class RobotDescription:
         yield "page", self.facts.page
 
     def as_json(self) -> dict[str, Json]:
-        """For programs."""
         return {
             "summary": self.driver.summary,
             "robot": self.facts.robot,
@@ -103,8 +102,9 @@ def descriptions(
     """
     used: dict[str, dict[str, DriverSpec]] = {}
     for name, file in robot_files(folder).items():
-        for spec in _drivers_of(file, catalogue):
-            used.setdefault(spec.type, {}).setdefault(name, spec)
+        with contextlib.suppress(ExperimentError):
+            for spec in load_robot(file, catalogue):
+                used.setdefault(spec.type, {}).setdefault(name, spec)
     found: list[RobotDescription] = []
     for name in sorted(catalogue):
         try:
@@ -114,13 +114,6 @@ def descriptions(
         except Exception as error:  # noqa: BLE001 - a plug-in's code
             tell(f"the driver {name!r} fails: {error!r}")
     return {each.kind: each for each in sorted(found, key=lambda each: not each.facts.robot)}
-
-
-def _drivers_of(file: Path, catalogue: Mapping[str, type[Driver]]) -> tuple[DriverSpec, ...]:
-    try:
-        return load_robot(file, catalogue)
-    except ExperimentError:
-        return ()
 
 
 def _described(
@@ -154,7 +147,8 @@ def markdown(catalogue: Mapping[str, type[Driver]]) -> str:
     rest = []
     for each in found:
         facts = dict(each.facts_shown())
-        name = f"[`{each.kind}`]({_link(each.facts.page)})"
+        page = f"../../{each.facts.page}".replace("../../docs/how-to/", "")  # as seen from there
+        name = f"[`{each.kind}`]({page})"
         rest.append((name, *(facts[word] or "-" for word in _FACTS)))
     return f"{_table(['verb', *(f'`{each.kind}`' for each in found)], verbs)}\n\n" + _table(
         ["robot", *_FACTS], rest
@@ -164,8 +158,3 @@ def markdown(catalogue: Mapping[str, type[Driver]]) -> str:
 def _table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
     lines = [f"| {' | '.join(row)} |" for row in (head, *rows)]
     return "\n".join([lines[0], "|---" * (lines[0].count(" | ") + 1) + "|", *lines[1:]])
-
-
-def _link(page: str) -> str:
-    """A link from a page of docs/how-to."""
-    return f"../../{page}".replace("../../docs/how-to/", "")

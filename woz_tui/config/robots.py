@@ -14,7 +14,6 @@ from woz_tui.config.annotated_decoder import (
     notes_of_values,
     read_section,
     read_settings,
-    values_with_note,
 )
 from woz_tui.config.bundled_files import is_path, robot_files
 from woz_tui.config.experiment import OWN_PROCESS, SHARED_PROCESS, DriverPlace, DriverSpec
@@ -185,28 +184,24 @@ class RobotReader:
         if not table:
             cursor.error("a robot is missing here")
         for name, entry in table.items():
-            if _named(entry, name):
+            if _can_be_named(entry, name):
                 self._robots.names.append(name)
             self._robot(entry, f"{name}.")
 
     def _robot(self, cursor: Cursor, prefix: str) -> None:
         """One robot: a word, a file or a mapping."""
         before = len(self._robots.drivers)
+        expected = "the name of a robot, a robot file, or a mapping of drivers"
         if isinstance(cursor.node, MappingNode):
             self._drivers(cursor, prefix)
-        else:
-            self._robot_by_name(cursor, prefix)
-        if len(self._robots.drivers) == before:
-            self._robots.incomplete = True
-
-    def _robot_by_name(self, cursor: Cursor, prefix: str) -> None:
-        text = read_text(cursor, "the name of a robot, a robot file, or a mapping of drivers")
-        if text is None:
-            return
-        if is_path(text) or (self._base / text).is_file():
+        elif (text := read_text(cursor, expected)) is None:
+            pass
+        elif is_path(text) or (self._base / text).is_file():
             self._file(cursor, text, prefix)
         else:
             self._robot_called(cursor, text, prefix)
+        if len(self._robots.drivers) == before:
+            self._robots.incomplete = True
 
     def _robot_called(self, cursor: Cursor, name: str, prefix: str) -> None:
         """The robot file of this name, or the type that needs no settings."""
@@ -225,12 +220,12 @@ class RobotReader:
         source = named_source(cursor, text, self._base, lambda: self._file_hint(text))
         if source is None:
             return
-        self._opened(source)
+        self._add_source(source)
         root = document(source, self._report, "a mapping with drivers")
         if root is not None:
             self._drivers(root, prefix)
 
-    def _opened(self, source: SourceFile) -> None:
+    def _add_source(self, source: SourceFile) -> None:
         """A file that belongs to the experiment from now on."""
         if all(known.path != source.path for known in self._sources):
             self._sources.append(source)
@@ -259,7 +254,8 @@ class RobotReader:
         if "name" in table:
             read_text(table["name"])
         self._names = {
-            kind: _names_in(table[field]) if field in table else {} for field, kind in NAMED.items()
+            kind: _read_names(table[field]) if field in table else {}
+            for field, kind in NAMED.items()
         }
         moves = self._names["move"]
         of_features = {key: table[key] for key in robot_keys() if key in table}
@@ -270,50 +266,35 @@ class RobotReader:
         if drivers is not None and entries is not None and not entries:
             drivers.error("a driver is missing here")
         for driver, entry in (entries or {}).items():
-            if _named(entry, driver):
+            if _can_be_named(entry, driver):
                 self._typed_driver(entry, f"{prefix}{driver}")
         for spec in self._robots.drivers[before:]:
-            own = spec.name.removeprefix(prefix)
-            self._siblings(spec, (entries or {})[own].path, own, [*(entries or {})])
-            self._together(spec, (entries or {})[own].path, prefix)
+            self._check_siblings(spec, prefix, entries or {})
 
-    def _together(self, spec: DriverSpec, path: str, prefix: str) -> None:
-        """Drivers that hand each other values have to be at the same computer."""
-        there = {
-            other.name.removeprefix(prefix): other.at and other.at.name
-            for other in self._robots.drivers
-            if other.name.startswith(prefix)
-        }
-        own = spec.at and spec.at.name
-        self._lacking(spec, path, prefix)
-        for setting, name in values_with_note(spec.settings, Sibling):
-            if there.get(name, own) != own:
-                self._report.error_at(
-                    join(path, setting),
-                    f"{name} is at another computer, and the two work together many times a"
-                    " second: give both the same `at:`",
-                    spec.place.file,
-                )
-
-    def _lacking(self, spec: DriverSpec, path: str, prefix: str) -> None:
-        """What is used of another driver has to be there."""
-        lacks = {other.name: other.offer.lacks for other in self._robots.drivers}
+    def _check_siblings(self, spec: DriverSpec, prefix: str, entries: Mapping[str, Cursor]) -> None:
+        """Settings that name another driver of the same robot: it has to be there, with what is
+        used of it, and at the same computer, since the two hand each other values.
+        """
+        own = spec.name.removeprefix(prefix)
+        others = [driver for driver in entries if driver != own]
+        there = {other.name: other for other in self._robots.drivers}
         for setting, name, note in notes_of_values(spec.settings, Sibling):
-            why = lacks.get(f"{prefix}{name}", {}).get(note.uses, "")
-            if why:
-                self._report.error_at(join(path, setting), f"{name}: {why}", spec.place.file)
-
-    def _siblings(self, spec: DriverSpec, path: str, own: str, known: list[str]) -> None:
-        """Settings that name another driver of the same robot."""
-        others = [driver for driver in known if driver != own]
-        for setting, name in values_with_note(spec.settings, Sibling):
+            problems = []
+            sibling = there.get(f"{prefix}{name}")
             if name not in others:
                 near = self._report.hint(name, others, or_list="there are")
-                self._report.error_at(
-                    join(path, setting),
-                    f"this robot has no other driver called {quoted(name)}{near}",
-                    spec.place.file,
+                problems.append(f"this robot has no other driver called {quoted(name)}{near}")
+            if sibling is not None and (why := sibling.offer.lacks.get(note.uses, "")):
+                problems.append(f"{name}: {why}")
+            here = spec.at and spec.at.name
+            if sibling is not None and (sibling.at and sibling.at.name) != here:
+                problems.append(
+                    f"{name} is at another computer, and the two work together many times a"
+                    " second: give both the same `at:`"
                 )
+            for problem in problems:
+                path = join(entries[own].path, setting)
+                self._report.error_at(path, problem, spec.place.file)
 
     def _typed_driver(self, cursor: Cursor, name: str) -> None:
         before = len(self._robots.drivers)
@@ -326,7 +307,7 @@ class RobotReader:
             if kind in self._catalogue:
                 at = table.get(AT) if table is not None else None
                 process = table.get(PROCESS) if table is not None else None
-                self._driver(cursor, name, kind, None if at is None else _place(at), process)
+                self._driver(cursor, name, kind, None if at is None else _read_place(at), process)
             else:
                 near = self._report.hint(kind, self._catalogue, or_list="installed are")
                 kind_cursor.error(f"there is no driver of type {quoted(kind)}{near}")
@@ -352,12 +333,14 @@ class RobotReader:
             return
         if PROCESS in names_of(driver.Settings):
             process = None  # a setting of its own
-        where = "" if process is None else _process(process, at)
-        if not where and at is None and _is_foreign(self._catalogue, kind):
+        where = "" if process is None else _read_process(process, at)
+        catalogue = self._catalogue
+        foreign = isinstance(catalogue, Catalogue) and catalogue.is_foreign(kind)
+        if not where and at is None and foreign:
             where = OWN_PROCESS
         settings = read_settings(cursor, driver.Settings, others=("type", AT, PROCESS))
         for source in self._report.included:
-            self._opened(source)
+            self._add_source(source)
         if settings is INVALID:
             self._robots.incomplete = True
             return
@@ -395,14 +378,14 @@ class RobotReader:
             self._robots.offers.setdefault(verb.name, []).append(offer)
 
 
-def _names_in(cursor: Cursor) -> dict[str, str]:
+def _read_names(cursor: Cursor) -> dict[str, str]:
     """`{wave: Hey_1}`: names that experiments use -> those of the driver."""
     table = cursor.table("a mapping such as {wave: Hey_1}") or {}
     read = {name: read_text(entry, "a name") for name, entry in table.items()}
     return {name: text for name, text in read.items() if text is not None}
 
 
-def _place(cursor: Cursor) -> DriverPlace | None:
+def _read_place(cursor: Cursor) -> DriverPlace | None:
     """`arm-pi`, or a mapping with its name and where this computer listens."""
     if isinstance(cursor.node, MappingNode):
         place = read_section(cursor, DriverPlace)
@@ -422,7 +405,7 @@ def _place(cursor: Cursor) -> DriverPlace | None:
     return place
 
 
-def _process(cursor: Cursor, at: DriverPlace | None) -> str:
+def _read_process(cursor: Cursor, at: DriverPlace | None) -> str:
     process = read_text(cursor, f"{OWN_PROCESS} or {SHARED_PROCESS}")
     if process is None:
         return ""
@@ -433,11 +416,7 @@ def _process(cursor: Cursor, at: DriverPlace | None) -> str:
     return process
 
 
-def _is_foreign(catalogue: Mapping[str, type[Driver]], kind: str) -> bool:
-    return isinstance(catalogue, Catalogue) and catalogue.is_foreign(kind)
-
-
-def _named(cursor: Cursor, name: str) -> bool:
+def _can_be_named(cursor: Cursor, name: str) -> bool:
     if name in performers():
         of_features = {each.name: each.who for each in performers_of_features().values()}
         who = {SESSION: "the session itself", **of_features}

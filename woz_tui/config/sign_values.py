@@ -28,12 +28,8 @@ def sign_value(sign: str, value: str) -> bool | float | str | None:
         raise ValueError(f"identity is a name, {UNKNOWN} or {SENSOR}, not {value!r}")
     if value in _VERDICTS:
         return _VERDICTS[value]
-    if sign == "distance":
-        return _metres(value)
-    raise ValueError(f"{sign} is on, off or {SENSOR}, not {value!r}")
-
-
-def _metres(value: str) -> float:
+    if sign != "distance":
+        raise ValueError(f"{sign} is on, off or {SENSOR}, not {value!r}")
     try:
         metres = float(value)
     except ValueError:
@@ -54,32 +50,22 @@ def argument_problem(verb: str, args: Mapping[str, Json]) -> str:
     Values with a variable in them are known only when the call is made.
     """
     if verb == "filter":
-        return _misfiltered(args)
+        return _filter_problem(args)
     try:
         if verb == "sense":
-            _sensed_well(args)
+            sign, value = args.get("sign"), _fixed(args, "value")
+            meant = sign_value(sign, value) if isinstance(sign, str) and value is not None else None
+            if sign == "identity" and isinstance(meant, str):
+                identity_of(meant)
         elif verb in ("handshake", "visitor"):
-            _named_well(verb, args)
+            code = _fixed(args, "code")
+            if code is not None and (code or verb == "visitor"):
+                name_of(code)
+            for name, what in (("age_group", "an age group"), ("address", "a form of address")):
+                word_of(_fixed(args, name) or "", what)
     except ValueError as error:
         return str(error)
     return ""
-
-
-def _sensed_well(args: Mapping[str, Json]) -> None:
-    sign, value = args.get("sign"), _fixed(args, "value")
-    if not isinstance(sign, str) or value is None:
-        return
-    meant = sign_value(sign, value)
-    if sign == "identity" and isinstance(meant, str):
-        identity_of(meant)
-
-
-def _named_well(verb: str, args: Mapping[str, Json]) -> None:
-    code = _fixed(args, "code")
-    if code is not None and (code or verb == "visitor"):
-        name_of(code)
-    for name, what in (("age_group", "an age group"), ("address", "a form of address")):
-        word_of(_fixed(args, name) or "", what)
 
 
 def _fixed(args: Mapping[str, Json], name: str) -> str | None:
@@ -88,7 +74,7 @@ def _fixed(args: Mapping[str, Json], name: str) -> str | None:
     return value if isinstance(value, str) and not utterance_template.names(value) else None
 
 
-def _misfiltered(args: Mapping[str, Json]) -> str:
+def _filter_problem(args: Mapping[str, Json]) -> str:
     sign, kind = args.get("sign"), args.get("kind")
     if sign not in (*SIGNS, "all"):
         return ""

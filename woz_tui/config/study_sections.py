@@ -12,10 +12,7 @@ from woz_tui.config.annotated_decoder import (
     read_value,
 )
 from woz_tui.config.problems import quoted
-from woz_tui.config.study import (
-    PerceptionLimits,
-    Study,
-)
+from woz_tui.config.study import Study
 from woz_tui.config.study_words import CUES
 from woz_tui.config.yaml_cursor import (
     Cursor,
@@ -30,15 +27,19 @@ def read_study(file: Study, table: Mapping[str, Cursor], playable: Collection[st
     wrong has been reported. `playable`: verbs and titles of panels; None where the robot files are
     not right.
     """
-    _check_perception(file.perception, table.get("perception"))
+    perception = table.get("perception")
+    blur = dict(perception.entries()).get("blur") if perception is not None else None
+    for entry, word in texts_of(blur):
+        if word in file.perception.hide:
+            entry.warning("is hidden already and cannot be blurred as well")
     return Study(
         preflight=file.preflight,
-        answers=_answering(table.get("answers"), playable),
+        answers=_read_answers(table.get("answers"), playable),
         perception=file.perception,
     )
 
 
-def _answering(
+def _read_answers(
     cursor: Cursor | None, playable: Collection[str] | None
 ) -> dict[str, tuple[str, ...]]:
     """What answers which cue; a list alone answers every one."""
@@ -65,10 +66,3 @@ def _playable(cursor: Cursor, playable: Collection[str] | None) -> tuple[str, ..
             near = entry.report.hint(name, playable, or_list="there are")
             entry.error(f"{quoted(name)} is neither a verb nor a panel{near}")
     return () if isinstance(names, Invalid) else tuple(names)
-
-
-def _check_perception(perception: PerceptionLimits, cursor: Cursor | None) -> None:
-    blur = dict(cursor.entries()).get("blur") if cursor is not None else None
-    for entry, word in texts_of(blur):
-        if word in perception.hide:
-            entry.warning("is hidden already and cannot be blurred as well")

@@ -37,12 +37,6 @@ from woz_tui.protocol.messages import Json
 _LONGEST = Range(0.0, 86_400.0, "s")
 #: Kinds of arguments for which another text may stand in each condition, or several variants.
 _CHOSEN = ("text", "choice", "file")
-_FIGURES: Mapping[str, Callable[[Cursor, Range | None], Json]] = {
-    "number": read_number,
-    "whole": read_whole,
-    "flag": lambda cursor, _: read_flag(cursor),
-    "seconds": lambda cursor, allowed: read_seconds(cursor, allowed or _LONGEST),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,8 +97,8 @@ class CallReader:
                 "wait must be a separate step: steps: [{say: Hello}, {wait: 0.5}, ...]"
             )
         targets = self._targets(on)
-        chosen = {name: self._choose(entry, name, targets) for name, entry in verbs.items()}
-        shares = self._share(verbs, beside, others)
+        chosen = {name: self._offers_chosen(entry, name, targets) for name, entry in verbs.items()}
+        shares = self._arguments_by_verb(verbs, beside, others)
         if not table and not self._vocabulary.robots.incomplete:
             verbs_known = listed(self._vocabulary.names)
             cursor.error(f"does nothing; add a verb: {verbs_known}")
@@ -123,7 +117,7 @@ class CallReader:
                 ]
                 left_out += substitute.left_out
             calls += own
-        self._same_lane(calls, verbs, chosen)
+        self._warn_of_same_lane(calls, verbs, chosen)
         return ParallelCalls(tuple(calls), tuple(left_out))
 
     def until_arrived(self, step: ParallelCalls, until: Cursor) -> ParallelCalls:
@@ -168,7 +162,9 @@ class CallReader:
                 entry.error(f"there is no driver or robot {quoted(name)}{near}")
         return wanted
 
-    def _choose(self, verb: Cursor, name: str, outer: list[Cursor] | None) -> list[VerbOffer]:
+    def _offers_chosen(
+        self, verb: Cursor, name: str, outer: list[Cursor] | None
+    ) -> list[VerbOffer]:
         """The drivers that this verb goes to: one, or one for each target. A consent goes to all of
         them that learn faces, and a withdrawal, too.
 
@@ -180,28 +176,28 @@ class CallReader:
         targets = outer if own is None else self._targets(own)
         if offers and offers[0].driver in performers():
             return list(offers)
+        if targets is None and len(offers) > 1 and name != FACE_CONSENT:
+            who = " and ".join(offer.driver for offer in offers)
+            verb.error(f"{who} offer {name!r}; choose one, for example on: {offers[0].driver}")
+            return []
         if targets is None:
-            return self._only(verb, name, offers)
+            return list(offers)
         chosen: list[VerbOffer] = []
         for target in targets:
-            found = self._aimed(target, verb, name, offers)
+            found = self._offers_of_target(target, name, offers)
             chosen += [offer for offer in found if offer not in chosen]
         return chosen
 
-    def _only(self, verb: Cursor, name: str, offers: Sequence[VerbOffer]) -> list[VerbOffer]:
-        if len(offers) > 1 and name != FACE_CONSENT:
-            drivers = [offer.driver for offer in offers]
-            verb.error(
-                f"{' and '.join(drivers)} offer {name!r}; choose one, for example on: {drivers[0]}"
-            )
-            return []
-        return list(offers)
-
-    def _aimed(
-        self, target: Cursor, verb: Cursor, name: str, offers: Sequence[VerbOffer]
+    def _offers_of_target(
+        self, target: Cursor, name: str, offers: Sequence[VerbOffer]
     ) -> list[VerbOffer]:
+        """Who is meant by a robot's name, a driver's, or a driver's short one."""
         wanted = target.node.text if isinstance(target.node, ScalarNode) else ""
-        fitting = [offer for offer in offers if _matches(offer.driver, wanted)]
+        fitting = [
+            offer
+            for offer in offers
+            if f"{offer.driver}.".startswith(f"{wanted}.") or offer.driver.endswith(f".{wanted}")
+        ]
         if len(fitting) == 1 or (fitting and name == FACE_CONSENT):
             return fitting
         if not fitting:
@@ -215,7 +211,7 @@ class CallReader:
             target.error(f"{who} both offer {name!r}; choose one of them")
         return []
 
-    def _share(
+    def _arguments_by_verb(
         self, verbs: Mapping[str, Cursor], beside: Mapping[str, Cursor], others: Collection[str]
     ) -> dict[str, dict[str, Cursor]]:
         """Give each argument that stands beside the verbs to the one verb that takes it."""
@@ -227,7 +223,7 @@ class CallReader:
                     f" {rival}: {{..., {name}: ...}}, or put the verbs into steps"
                 )
         shares: dict[str, dict[str, Cursor]] = {}
-        sectionless = self._sectionless(beside)
+        sectionless = self._report_sectionless(beside)
         for name, entry in beside.items():
             if name in sectionless:
                 continue
@@ -240,10 +236,10 @@ class CallReader:
                     f" {takers[0]}: {{..., {name}: ...}}"
                 )
             else:
-                self._unknown(entry, name, takes, others)
+                self._report_unknown(entry, name, takes, others)
         return shares
 
-    def _sectionless(self, beside: Mapping[str, Cursor]) -> set[str]:
+    def _report_sectionless(self, beside: Mapping[str, Cursor]) -> set[str]:
         """Verbs of the engagement model where there is none (reported), and their arguments."""
         found: set[str] = set()
         for name, entry in beside.items():
@@ -263,7 +259,7 @@ class CallReader:
             for argument in offer.verb.arguments
         }
 
-    def _unknown(
+    def _report_unknown(
         self,
         entry: Cursor,
         name: str,
@@ -284,7 +280,7 @@ class CallReader:
         verbs = self._vocabulary.names
         entry.unknown([*others, *near, *verbs, *arguments], "verbs are", verbs)
 
-    def _same_lane(
+    def _warn_of_same_lane(
         self,
         calls: Sequence[Call],
         verbs: Mapping[str, Cursor],
@@ -306,10 +302,6 @@ class CallReader:
                 verbs[call.verb].warning(
                     f"waits until {first!r} has ended: both use the {verb.lane} of {call.driver}"
                 )
-
-
-def _matches(driver: str, wanted: str) -> bool:
-    return driver == wanted or driver.startswith(f"{wanted}.") or driver.endswith(f".{wanted}")
 
 
 class _Substitute:
@@ -407,7 +399,7 @@ class _Arguments:
         self.choices: dict[str, TextVariants] = {}
 
     def read(self, beside: Mapping[str, Cursor]) -> dict[str, Json]:
-        given = self._under()
+        given = self._given_under_verb()
         for name, entry in beside.items():
             if name in given:
                 entry.error(f"is set twice: here and under {self._verb.name!r}")
@@ -418,9 +410,15 @@ class _Arguments:
         args: dict[str, Json] = {}
         whole = True
         for argument in self._verb.arguments:
-            if argument.name in given and not self._misplaced(given[argument.name]):
-                whole = self._read_argument(given[argument.name], argument, args) and whole
-            elif argument.required and argument.name not in given:
+            written = given.get(argument.name)
+            if written is not None and not self._misplaced(written):
+                if not self._is_choice(written, argument):
+                    args[argument.name] = self._value(written, argument)
+                elif (choice := self._choice(written, argument)) is not None:
+                    self.choices[argument.name] = choice
+                else:
+                    whole = False
+            elif argument.required and written is None:
                 what = f" ({argument.summary})" if argument.summary else ""
                 cursor, absent = self._cursor, join(self._cursor.path, argument.name)
                 cursor.report.missing(
@@ -430,16 +428,6 @@ class _Arguments:
         if whole and None not in args.values():
             self._looker.check(self._offer, args, given, self._cursor, self.choices)
         return args
-
-    def _read_argument(self, entry: Cursor, argument: Argument, args: dict[str, Json]) -> bool:
-        """Read one argument; whether it is right, as far as no None among `args` says so."""
-        if not self._is_choice(entry, argument):
-            args[argument.name] = self._value(entry, argument)
-        elif (choice := self._choice(entry, argument)) is not None:
-            self.choices[argument.name] = choice
-        else:
-            return False
-        return True
 
     def _is_choice(self, entry: Cursor, argument: Argument) -> bool:
         """Whether the text is another one in each condition, or one of several."""
@@ -462,20 +450,20 @@ class _Arguments:
             entry.error(why)
         return bool(why)
 
-    def _under(self) -> dict[str, Cursor]:
+    def _given_under_verb(self) -> dict[str, Cursor]:
         node = self._cursor.node
         main = self._verb.arguments[0] if self._verb.arguments else None
         if isinstance(node, ScalarNode) and node.is_empty:
             return {}
         if isinstance(node, MappingNode):
-            return self._mapping(node, main)
+            return self._given_in_mapping(node, main)
         if main is None:
             if not (isinstance(node, ScalarNode) and node.text == "true"):
                 self._cursor.error(f"takes no arguments; write only {self._verb.name}:")
             return {}
         return {main.name: self._cursor}
 
-    def _mapping(self, node: MappingNode, main: Argument | None) -> dict[str, Cursor]:
+    def _given_in_mapping(self, node: MappingNode, main: Argument | None) -> dict[str, Cursor]:
         """A mapping names arguments; for joints it may hold them directly, arguments between."""
         entries = dict(self._cursor.entries())
         if "on" not in self._known:
@@ -514,8 +502,14 @@ class _Arguments:
                 if entries == []:
                     cursor.error("a pose is missing here")
                 return None if entries is None else [self._pose(each, allowed) for each in entries]
-        if argument.kind in _FIGURES:
-            return _FIGURES[argument.kind](cursor, allowed)
+            case "number":
+                return read_number(cursor, allowed)
+            case "whole":
+                return read_whole(cursor, allowed)
+            case "flag":
+                return read_flag(cursor)
+            case "seconds":
+                return read_seconds(cursor, allowed or _LONGEST)
         cursor.error(f"the driver names an unknown kind of argument: {argument.kind!r}")
         return None
 

@@ -172,7 +172,7 @@ class _Composer:
                 plain = event.style in (None, "")
                 scalar = ScalarNode(self._place(event), event.value, plain)
                 if plain:
-                    self._odd_text(event)
+                    self._warn_of_odd_text(event)
                 self._tag(event, scalar.place, scalar)
                 self._anchor(event.anchor, scalar)
                 self._add(scalar)
@@ -190,13 +190,13 @@ class _Composer:
                         "a second document begins here; a file can have only one",
                     )
 
-    def _odd_text(self, event: yaml.ScalarEvent) -> None:
+    def _warn_of_odd_text(self, event: yaml.ScalarEvent) -> None:
         """Warn of a text without quotes that is not what it looks like. Where it is an error, too,
         the error says it.
         """
         place, key = self._place(event), self._stack[-1].key if self._stack else None
         said = []
-        if cut := self._cut(event, key):
+        if cut := self._comment_behind(event, key):
             said.append(comment_instead(cut))
         if event.value[:1] in CURLY or event.value[-1:] in CURLY:
             said.append(CURLY_QUOTES)
@@ -205,7 +205,7 @@ class _Composer:
             self._report.warning(key.place if key is not None else place, path, message)
             self._report.explain(place if key is None else key.place, message)
 
-    def _cut(self, event: yaml.ScalarEvent, key: ScalarNode | None) -> str:
+    def _comment_behind(self, event: yaml.ScalarEvent, key: ScalarNode | None) -> str:
         """The comment behind a text, as far as it looks like a part of it."""
         end = event.end_mark
         line, column = (end.line, end.column) if end is not None else (len(self._lines), 0)
@@ -233,11 +233,17 @@ class _Composer:
 
     def _end(self) -> None:
         done = self._stack.pop()
-        if isinstance(done.node, MappingNode) and not self._last_wins:
-            self._report.set_title(done.path, self._source.name, _title(done.node))
         if isinstance(done.node, MappingNode):
+            table = done.node
+            if not self._last_wins:
+                named = (table.entries.get(name) for name in ("title", "label", "name"))
+                titles = (node.text for node in named if isinstance(node, ScalarNode) and node.text)
+                self._report.set_title(done.path, self._source.name, next(titles, ""))
+            # YAML's merge key: what the mapping says itself wins, then the first base that says it.
             for base in done.merged:
-                _merge(done.node, base)
+                for name, key, value in base.items():
+                    table.keys.setdefault(name, key)
+                    table.entries.setdefault(name, value)
         self._anchor(done.anchor, done.node)
         self._add(done.node)
 
@@ -284,9 +290,9 @@ class _Composer:
             top.node.nodes.append(node)
             self._grow(top.node, node)
         elif top.key is None and not top.dropped:
-            self._key(top, node)
+            self._add_key(top, node)
         else:
-            self._value(top, top.node, node)
+            self._add_value(top, top.node, node)
 
     def _grow(self, parent: ListNode | MappingNode, child: Node) -> None:
         """An alias repeats everything below it, so ten lines can stand for a billion nodes."""
@@ -299,7 +305,7 @@ class _Composer:
         if parent.depth > MAX_DEPTH:
             raise _UnreadableYamlError(child.place, _TOO_DEEP)
 
-    def _key(self, top: _UnfinishedNode, node: Node) -> None:
+    def _add_key(self, top: _UnfinishedNode, node: Node) -> None:
         if isinstance(node, ScalarNode):
             top.key = node
             return
@@ -310,7 +316,7 @@ class _Composer:
         )
         top.dropped = True
 
-    def _value(self, top: _UnfinishedNode, table: MappingNode, node: Node) -> None:
+    def _add_value(self, top: _UnfinishedNode, table: MappingNode, node: Node) -> None:
         key, top.key = top.key, None
         if key is None:
             top.dropped = False
@@ -337,19 +343,6 @@ class _Composer:
                 self._report.error(
                     base.place, join(top.path, "<<"), "only a mapping can be merged in: <<: *name"
                 )
-
-
-def _title(table: MappingNode) -> str:
-    """What an entry of a list is called, by itself."""
-    named = (table.entries.get(name) for name in ("title", "label", "name"))
-    return next((node.text for node in named if isinstance(node, ScalarNode) and node.text), "")
-
-
-def _merge(table: MappingNode, base: MappingNode) -> None:
-    """YAML's merge key: what the mapping says itself wins, then the first base that says it."""
-    for name, key, value in base.items():
-        table.keys.setdefault(name, key)
-        table.entries.setdefault(name, value)
 
 
 # -- what the parser says --------------------------------------------------------------------------
@@ -397,8 +390,8 @@ def explain_yaml_error(error: yaml.YAMLError, text: str) -> tuple[int, int, str]
         message = f"one {found} too many, or the bracket that opens it is missing"
         begun = None  # of what surrounds it, which is in order
     if "start any token" in said:
-        message = _character(text, mark.line, mark.column)
-    if closing and (wanted := _unquoted(closing[0], mark.column, said)):
+        message = _explain_character(text, mark.line, mark.column)
+    if closing and (wanted := _explain_unquoted(closing[0], mark.column, said)):
         return mark.line + 1, mark.column + 1, wanted
     if begun is not None and "',' or '" in said:
         start = _BRACKET.match(lines[begun.line])
@@ -418,7 +411,7 @@ _QUOTED = re.compile(r"\s*(?:- +)*[^\s:#{}\[\]\"']+: +(?:\"[^\"]*\"|'[^']*') *[^
 _WORD = re.compile(r"[^\s{}\[\],:]+$")
 
 
-def _unquoted(line: str, column: int, said: str) -> str:
+def _explain_unquoted(line: str, column: int, said: str) -> str:
     """The sentence about a text without quotes, if the parser stumbled over one in this line."""
     bracket = _BRACKET.match(line)
     closes = line[column : column + 1] in ("}", "]")
@@ -433,7 +426,7 @@ def _unquoted(line: str, column: int, said: str) -> str:
     return ""
 
 
-def _character(text: str, line: int, column: int) -> str:
+def _explain_character(text: str, line: int, column: int) -> str:
     """What cannot begin a token: nearly always a tab, or a character that wants quotes."""
     lines = text.splitlines()
     found = lines[line][column : column + 1] if line < len(lines) else ""

@@ -83,9 +83,11 @@ def normal_key(written: object, layout: str = "us") -> str:
     if isinstance(written, int) and not isinstance(written, bool):
         written = str(written)
     if isinstance(written, str):
-        return " ".join(str(_typed(_chord(part), keyboard)) for part in _parts(written))
+        return " ".join(
+            str(_typed(_chord(part), keyboard)) for part in _one_after_the_other(written)
+        )
     if isinstance(written, Sequence):
-        return str(_typed(_together([str(part) for part in written]), keyboard))
+        return str(_typed(_held_together([str(part) for part in written]), keyboard))
     raise KeyNameError(f"a key is text such as a, F1 or ctrl+a, not {type(written).__name__}")
 
 
@@ -98,7 +100,7 @@ def parse_chord(chord: str) -> Chord:
     return Chord(chord, "ctrl" in held, "alt" in held, "shift" in held)
 
 
-def _parts(text: str) -> list[str]:
+def _one_after_the_other(text: str) -> list[str]:
     text = unicodedata.normalize("NFC", text)
     if text == " ":
         return ["space"]
@@ -116,7 +118,7 @@ def _parts(text: str) -> list[str]:
     return parts
 
 
-def _together(parts: list[str]) -> Chord:
+def _held_together(parts: list[str]) -> Chord:
     """A list: modifiers in any place, and one key."""
     parts = [unicodedata.normalize("NFC", part) for part in parts]
     held = [part for part in parts if part.strip().lower() in _MODIFIERS]
@@ -150,7 +152,7 @@ def _chord(text: str) -> Chord:
         text = match["rest"] or match["tail"]
     if text.lower() in _MODIFIERS or not text:
         raise KeyNameError(f"{quoted(whole)} is not a key by itself; write it like ctrl+a")
-    chord = _base(text, whole)
+    chord = _key_alone(text, whole)
     for modifier in held:
         chord = _hold(chord, modifier)
     return chord
@@ -168,7 +170,7 @@ def _hold(chord: Chord, modifier: str) -> Chord:
     )
 
 
-def _base(text: str, whole: str) -> Chord:
+def _key_alone(text: str, whole: str) -> Chord:
     if len(text) == 1:
         if not text.isprintable() or text.isspace() or unicodedata.combining(text):
             raise KeyNameError(f"{quoted(whole)} is not a key that can be pressed")

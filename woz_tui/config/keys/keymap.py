@@ -143,9 +143,6 @@ class _Assignment:
                     self._no_key(action.label, given)
         for action in actions:
             self._actions.setdefault(action.name, AssignedKey(action.name, "", ""))
-        return self._result(actions)
-
-    def _result(self, actions: Sequence[KeyedAction]) -> KeyMap:
         ordered = {action.name: self._actions[action.name] for action in actions}
         return KeyMap(
             actions=ordered,
@@ -269,11 +266,11 @@ def _candidates(action: KeyedAction) -> Iterator[str]:
             seen.add(chord)
             yield chord
     rest = [chord for chord in _RESERVES if chord not in seen]
-    yield from sorted(rest, key=lambda chord: _draw(action.name, chord))
-
-
-def _draw(name: str, chord: str) -> bytes:
-    return hashlib.sha256(f"{name}\0{chord}".encode("utf-8", "replace")).digest()
+    drawn = {
+        chord: hashlib.sha256(f"{action.name}\0{chord}".encode("utf-8", "replace")).digest()
+        for chord in rest
+    }
+    yield from sorted(rest, key=drawn.__getitem__)
 
 
 class FileKeys:

@@ -25,14 +25,14 @@ def load_keymap(path: Path) -> tuple[BuiltinKey, ...]:
     The stop cannot be moved, and nothing can be put on its bytes.
     """
     report = ProblemReport()
-    moved = _read(path, report)
+    moved = _read_moved(path, report)
     result = tuple(replace(item, chord=moved.get(item.id, item.chord)) for item in BUILTIN_KEYS)
     _no_two_alike(result, moved, report)
     report.raise_errors()
     return result
 
 
-def _read(path: Path, report: ProblemReport) -> dict[str, str]:
+def _read_moved(path: Path, report: ProblemReport) -> dict[str, str]:
     source = source_of(path, report)
     root = parse_yaml(source, report) if source is not None else None
     if root is None or (isinstance(root, ScalarNode) and root.is_empty):

@@ -140,7 +140,7 @@ def deliver(chord: str, terminal: Terminal, layout: str = "us") -> KeyDelivery:
     Two keys one after the other arrive if both do.
     """
     keyboard = layout_of(layout)
-    reaches = [_single(parse_chord(part), terminal, keyboard) for part in chord.split(" ")]
+    reaches = [_deliver_chord(parse_chord(part), terminal, keyboard) for part in chord.split(" ")]
     if len(reaches) == 1:
         return reaches[0]
     for verdict in (KeyOutcome.STOP, KeyOutcome.NEVER):
@@ -162,7 +162,7 @@ def is_stop(chord: str, layout: str = "us") -> bool:
         press = parse_chord(part)
         if press.base == "escape" or str(press) in _FOLDED:
             return True
-        found = _single(replace(press, alt=False), PLAIN, layout_of(layout))
+        found = _deliver_chord(replace(press, alt=False), PLAIN, layout_of(layout))
         if found.arrives in STOPS:
             return True
     return False
@@ -178,22 +178,15 @@ def describe_bytes(data: bytes) -> str:
     )
 
 
-def _single(chord: Chord, terminal: Terminal, layout: KeyboardLayout) -> KeyDelivery:
-    held = _multiplexer_key(chord, terminal)
-    if held:
-        return KeyDelivery(KeyOutcome.NEVER, why=held)
+def _deliver_chord(chord: Chord, terminal: Terminal, layout: KeyboardLayout) -> KeyDelivery:
+    prefix = {"tmux": "ctrl+b", "screen": "ctrl+a"}.get(terminal.multiplexer)
+    if prefix is not None and chord.ctrl and not chord.alt and f"ctrl+{chord.base}" == prefix:
+        return KeyDelivery(KeyOutcome.NEVER, why=f"{terminal.multiplexer} uses {prefix} itself")
     if not chord.named:
         return _character(chord, terminal, layout)
     if chord.base in _SIMPLE:
         return _simple(chord, terminal)
     return _function(chord, terminal)
-
-
-def _multiplexer_key(chord: Chord, terminal: Terminal) -> str:
-    prefix = {"tmux": "ctrl+b", "screen": "ctrl+a"}.get(terminal.multiplexer)
-    if prefix is None or not chord.ctrl or chord.alt or f"ctrl+{chord.base}" != prefix:
-        return ""
-    return f"{terminal.multiplexer} uses {prefix} itself"
 
 
 def _character(chord: Chord, terminal: Terminal, layout: KeyboardLayout) -> KeyDelivery:
@@ -248,19 +241,11 @@ def _simple(chord: Chord, terminal: Terminal) -> KeyDelivery:
     if chord == Chord(chord.base):
         return KeyDelivery(KeyOutcome.ARRIVES, data, chord.base)
     if chord.base == "tab" and (chord.alt or not chord.ctrl):
-        return _tab(chord)
+        if chord.alt:
+            return KeyDelivery(KeyOutcome.NEVER, why="the desktop uses alt+tab itself")
+        return KeyDelivery(KeyOutcome.ARRIVES, b"\x1b[Z", "shift+tab")
     if terminal.kitty:
         return _kitty(chord, _KITTY_CODES[chord.base])
-    return _legacy_simple(chord, data)
-
-
-def _tab(chord: Chord) -> KeyDelivery:
-    if chord.alt:
-        return KeyDelivery(KeyOutcome.NEVER, why="the desktop uses alt+tab itself")
-    return KeyDelivery(KeyOutcome.ARRIVES, b"\x1b[Z", "shift+tab")
-
-
-def _legacy_simple(chord: Chord, data: bytes) -> KeyDelivery:
     if chord.alt:
         return KeyDelivery(KeyOutcome.NEVER, _ESCAPE + data, why=_ALT)
     if chord.base == "space" and chord.ctrl:

@@ -18,7 +18,7 @@ def action_text(action: Action, main_names: Mapping[str, str]) -> str:
     return ", then ".join(
         f"wait {step.seconds:g} s"
         if isinstance(step, Wait)
-        else " + ".join(_call(call, main_names) for call in step.calls)
+        else " + ".join(_call_text(call, main_names) for call in step.calls)
         for step in action.steps
     )
 
@@ -30,26 +30,26 @@ def main_arguments(experiment: Experiment) -> dict[str, str]:
     return {verb.name: verb.arguments[0].name for verb in verbs if verb.arguments}
 
 
-def _call(call: Call, main_names: Mapping[str, str]) -> str:
+def _call_text(call: Call, main_names: Mapping[str, str]) -> str:
     words = [call.verb]
-    values = {name: _value(value) for name, value in call.args.items()}
-    values |= {name: _variants(choice) for name, choice in call.choices.items()}
+    values = {name: _value_text(value) for name, value in call.args.items()}
+    values |= {name: _variants_text(choice) for name, choice in call.choices.items()}
     for name, value in values.items():
         words += [value] if name == main_names.get(call.verb) else [name, value]
     driver = f" ({call.driver})" if "." in call.driver else ""
     return " ".join(words) + driver
 
 
-def _variants(choice: TextVariants) -> str:
+def _variants_text(choice: TextVariants) -> str:
     """Every text with its condition, and variants side by side."""
     groups = (
-        (f"{condition}: " if condition else "") + " | ".join(map(_value, texts))
+        (f"{condition}: " if condition else "") + " | ".join(map(_value_text, texts))
         for condition, texts in choice.texts.items()
     )
     return f"{{{'; '.join(groups)}}}"
 
 
-def _value(value: Json) -> str:
+def _value_text(value: Json) -> str:
     if isinstance(value, str):
         if value.startswith("/") and "/" in value[1:]:
             return Path(value).name
@@ -58,9 +58,9 @@ def _value(value: Json) -> str:
         return "on" if value else "off"
     if isinstance(value, dict):
         return " ".join(
-            _value(entry) if name == "joints" else f"{name} {_value(entry)}"
+            _value_text(entry) if name == "joints" else f"{name} {_value_text(entry)}"
             for name, entry in value.items()
         )
     if isinstance(value, list):
-        return "; ".join(map(_value, value))
+        return "; ".join(map(_value_text, value))
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -35,7 +35,7 @@ def experiment_json(
         "layout": layout,
         "problems": problems_json(list(experiment.warnings)),
         "keys": [
-            _key(action, keymap.actions[action.name], main_names)
+            _key_json(action, keymap.actions[action.name], main_names)
             for panel in experiment.panels
             for action in panel.actions
         ],
@@ -74,7 +74,7 @@ def problems_json(problems: list[Problem]) -> list[Json]:
     ]
 
 
-def _key(action: Action, assigned: keys.AssignedKey, main_names: Mapping[str, str]) -> Json:
+def _key_json(action: Action, assigned: keys.AssignedKey, main_names: Mapping[str, str]) -> Json:
     return {
         "panel": action.panel,
         "action": action.name,

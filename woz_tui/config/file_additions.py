@@ -64,16 +64,13 @@ def append_actions(data: bytes, title: str, actions: Sequence[str]) -> AppendedF
         target = panels
         blocks = [[f"title: {title}", "actions:", *(f"  - {action}" for action in actions)]]
     if target.flow_style:
-        items = actions if panel is not None else [_in_one_line(title, actions)]
-        return _within(mark, text, target, ", ".join(items))
-    return _below(mark, text, target, blocks)
+        inline = ", ".join(actions)
+        items = inline if panel is not None else f"{{title: {title}, actions: [{inline}]}}"
+        return _append_inline(mark, text, target, items)
+    return _append_lines(mark, text, target, blocks)
 
 
-def _in_one_line(title: str, actions: Sequence[str]) -> str:
-    return f"{{title: {title}, actions: [{', '.join(actions)}]}}"
-
-
-def _within(mark: bytes, text: str, target: yaml.SequenceNode, items: str) -> AppendedFile:
+def _append_inline(mark: bytes, text: str, target: yaml.SequenceNode, items: str) -> AppendedFile:
     """Into a list between brackets, behind its last entry."""
     if target.value:
         at = target.value[-1].end_mark.index
@@ -85,13 +82,13 @@ def _within(mark: bytes, text: str, target: yaml.SequenceNode, items: str) -> Ap
     return AppendedFile(mark + (text[:at] + piece + text[at:]).encode(), (piece,), line)
 
 
-def _below(
+def _append_lines(
     mark: bytes, text: str, target: yaml.SequenceNode, blocks: Sequence[Sequence[str]]
 ) -> AppendedFile:
     """Below the last entry of a list with a line for each, and below its comments."""
     column = target.start_mark.column
     indent = " " * column
-    at = _behind(text, target, column)
+    at = _next_entry_at(text, target, column)
     lines = [
         f"{indent}{'  ' if number else '- '}{line}"
         for block in blocks
@@ -106,7 +103,7 @@ def _below(
     return AppendedFile(mark + new.encode(), tuple(lines), len(_BREAK.findall(before)))
 
 
-def _behind(text: str, target: yaml.SequenceNode, column: int) -> int:
+def _next_entry_at(text: str, target: yaml.SequenceNode, column: int) -> int:
     """The beginning of the line where the next entry belongs."""
     leaf = max(_leaves(target), key=lambda node: node.end_mark.index)
     at: int = leaf.end_mark.index

@@ -41,7 +41,7 @@ class Language:
         own = base / f"{code}{_SUFFIX}"
         beside = _is_code(code) and own.is_file()
         if beside:
-            self._open(cursor, own)
+            self._add_file(cursor, own)
         if code in shipped():
             self._sections.append(_ours(code))
         elif not beside:
@@ -53,7 +53,7 @@ class Language:
         """Another language for a part of the same experiment."""
         return Language(cursor, self._base, self._sources)
 
-    def _open(self, cursor: Cursor, path: Path) -> None:
+    def _add_file(self, cursor: Cursor, path: Path) -> None:
         try:
             source = read_source(path, str(path))
         except SourceFileError as error:

@@ -147,8 +147,8 @@ class _ExperimentDecoder:
         table = dict(root.entries())
         file = read_partly(root, ExperimentFile)
         assert file is not None  # whoever calls has seen that it is a mapping
-        another = self._another(table)
-        robots = self._robots().read(root, table)
+        another = self._other_robot(table)
+        robots = self._robot_reader().read(root, table)
         playing = robots if another is None else another
         conditions = file.conditions
         section = table.get("engagement")
@@ -160,7 +160,7 @@ class _ExperimentDecoder:
         language = Language(table.get("language"), self._path.absolute().parent, self._sources)
         panels_cursor = table.get("panels")
         folder = self._path.absolute().parent
-        surroundings = FileSurroundings(playing, self._catalogue, folder, self._opened)
+        surroundings = FileSurroundings(playing, self._catalogue, folder, self._add_source)
         features = pieces("section", FeatureSection)
         reading: dict[str, FeatureSection[Any]] = {}
         for name, each in features.items():
@@ -173,10 +173,10 @@ class _ExperimentDecoder:
         of_people: dict[str, Collection[str] | None] = dict.fromkeys(
             utterance_template.OF_VISITOR[1:] if section is not None else (), ()
         )
-        own = _own(session_verbs(conditions, panel_titles(panels_cursor)), section)
+        own = _own_verbs(session_verbs(conditions, panel_titles(panels_cursor)), section)
         vocabulary = Vocabulary(
             robots,
-            own | _of_features(reading),
+            own | _feature_verbs(reading),
             dict.fromkeys((*filled, *variables.names, *of_features)),
             CommandChecker.of(self._path.absolute().parent, variables, conditions),
             conditions,
@@ -193,7 +193,7 @@ class _ExperimentDecoder:
         offered = [verb for spec in robots.drivers for verb in spec.offer.verbs]
         verbs = [*offered, *(offer.verb for offer in vocabulary.own.values())]
         actions = {draft.action.name: draft.action for draft in panels.drafts}
-        sensors = _published(playing)
+        sensors = _sensor_names(playing)
         contents = FileContents(
             read,
             verbs,
@@ -221,7 +221,9 @@ class _ExperimentDecoder:
             drivers=tuple(playing.drivers),
             panels=read,
             robot=playing.origin,
-            participant_pattern=_pattern(file.participants.pattern, table.get("participants")),
+            participant_pattern=_checked_pattern(
+                file.participants.pattern, table.get("participants")
+            ),
             conditions=conditions,
             variables=variables.always,
             by_condition=variables.by_condition,
@@ -262,15 +264,15 @@ class _ExperimentDecoder:
             told = f"{type(error).__name__}: {error}"
             root.error(f"the feature {quoted(feature)} fails with this file: {told}")
 
-    def _opened(self, source: SourceFile) -> None:
+    def _add_source(self, source: SourceFile) -> None:
         """A file that belongs to the experiment."""
         if all(known.path != source.path for known in self._sources):
             self._sources.append(source)
 
-    def _robots(self) -> RobotReader:
+    def _robot_reader(self) -> RobotReader:
         return RobotReader(self._catalogue, self._path.parent, self._report, self._sources)
 
-    def _another(self, table: Mapping[str, Cursor]) -> Robots | None:
+    def _other_robot(self, table: Mapping[str, Cursor]) -> Robots | None:
         """The robot that plays the file instead of its own; None: none was named."""
         if not self._robot:
             return None
@@ -280,10 +282,14 @@ class _ExperimentDecoder:
                 " copy of this file"
             )
             return None
-        return self._robots().read_named(table["robot"], self._robot) if "robot" in table else None
+        return (
+            self._robot_reader().read_named(table["robot"], self._robot)
+            if "robot" in table
+            else None
+        )
 
 
-def _own(session: Iterable[Verb], engagement: Cursor | None) -> dict[str, VerbOffer]:
+def _own_verbs(session: Iterable[Verb], engagement: Cursor | None) -> dict[str, VerbOffer]:
     """Verbs that need no driver: the session's, and with its section the engagement model's."""
     own = {verb.name: VerbOffer(SESSION, verb) for verb in session}
     if engagement is not None:
@@ -291,7 +297,7 @@ def _own(session: Iterable[Verb], engagement: Cursor | None) -> dict[str, VerbOf
     return own
 
 
-def _of_features(reading: Mapping[str, FeatureSection[Any]]) -> dict[str, VerbOffer]:
+def _feature_verbs(reading: Mapping[str, FeatureSection[Any]]) -> dict[str, VerbOffer]:
     """Verbs that features bring along."""
     performers = performers_of_features()
     return {
@@ -302,14 +308,14 @@ def _of_features(reading: Mapping[str, FeatureSection[Any]]) -> dict[str, VerbOf
     }
 
 
-def _published(robots: Robots) -> set[str] | None:
+def _sensor_names(robots: Robots) -> set[str] | None:
     """Names of all sensors; None where a driver is missing, because its settings are not right."""
     if robots.incomplete:
         return None
     return {name for own in published_names(robots.drivers).values() for name in own.values()}
 
 
-def _pattern(pattern: str, section: Cursor | None) -> str:
+def _checked_pattern(pattern: str, section: Cursor | None) -> str:
     """The pattern of participants' codes; one that cannot be used has been reported."""
     if section is None or not pattern:
         return str(Experiment.__dataclass_fields__["participant_pattern"].default)

@@ -52,14 +52,14 @@ def meant(folder: Path, text: str) -> str:
     else:
         rest.insert(0, first)
     for part in rest:
-        name = part if part in ("", ".", "..") else _entry(found, part)
+        name = part if part in ("", ".", "..") else _nearest_entry(found, part)
         if name is None:
             return ""
         found, names = found / name, [*names, name]
     return f"; did you mean {'/'.join(names)!r}?" if found.is_file() else ""
 
 
-def _entry(folder: Path, name: str) -> str | None:
+def _nearest_entry(folder: Path, name: str) -> str | None:
     """What there is of this name, in whatever case, or of one that is near to it."""
     if (folder / name).exists():
         return name

@@ -25,7 +25,7 @@ def published_names(specs: Sequence[DriverSpec]) -> dict[str, dict[str, str]]:
     )
     return {
         spec.name: {
-            sensor: _name(spec, sensor, owners[sensor], in_robot[_robot(spec), sensor])
+            sensor: _published_name(spec, sensor, owners[sensor], in_robot[_robot(spec), sensor])
             for sensor in spec.offer.sensors
         }
         for spec in specs
@@ -38,7 +38,7 @@ def _robot(spec: DriverSpec) -> str:
     return robot if dot else ""
 
 
-def _name(spec: DriverSpec, sensor: str, everywhere: int, in_robot: int) -> str:
+def _published_name(spec: DriverSpec, sensor: str, everywhere: int, in_robot: int) -> str:
     if everywhere == 1:
         return sensor
     if in_robot == 1 and _robot(spec):

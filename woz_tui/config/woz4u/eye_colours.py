@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_tui.config.file_position import FilePosition
 from woz_tui.config.woz4u import made_nodes, woz4u_values
 from woz_tui.config.woz4u.buttons import ButtonDraft, ListEntry, entries, warn_unknown
 from woz_tui.config.woz4u.woz4u_keys import ANIMATION_FIELDS
@@ -37,7 +36,6 @@ class Colours:
 
     @property
     def buttons(self) -> list[ButtonDraft]:
-        """Their buttons."""
         return [colour.button for colour in self.each]
 
 
@@ -128,27 +126,17 @@ def _animation(
     duration = woz4u_values.number(
         fields.get("duration"), _DURATION, "it takes the robot's own time"
     )
+    does = [made_nodes.entry("eyes_animation", kind, cursor.place)]
+    if duration is not None:
+        does.append(made_nodes.entry("seconds", duration, fields["duration"].place))
+    if colour is not None:
+        does.append(made_nodes.entry("color", colour, cursor.place))
     return [
         ButtonDraft(
             title=title,
             place=cursor.place,
-            does=_playing(cursor.place, kind, fields.get("duration"), duration, colour),
+            does=does,
             title_place=cursor.place,
             comb=fields.get("key_comb"),
         )
     ]
-
-
-def _playing(
-    place: FilePosition,
-    kind: str,
-    cursor: Cursor | None,
-    duration: float | None,
-    colour: str | None,
-) -> list[made_nodes.Entry]:
-    entries = [made_nodes.entry("eyes_animation", kind, place)]
-    if duration is not None and cursor is not None:
-        entries.append(made_nodes.entry("seconds", duration, cursor.place))
-    if colour is not None:
-        entries.append(made_nodes.entry("color", colour, place))
-    return entries

@@ -50,9 +50,11 @@ def grant(wishes: Iterable[KeyRequest], layout: str) -> None:
     """Give every wish its key, and a warning to each that does not get the one it wished for."""
     ordered = sorted(wishes, key=lambda wish: (wish.place.line, wish.place.column))
     keys = FileKeys(layout)
-    left = [wish for wish in ordered if not _granted(wish, keys, layout)]
+    left = [wish for wish in ordered if not _gets_own_key(wish, keys, layout)]
     for wish in left:
-        free = (k for k in _liked(wish.title) if not keys.forbidden(k) and not keys.taken(k))
+        plain = unicodedata.normalize("NFKD", wish.title).lower()
+        liked = (*(sign for sign in plain if sign in _LETTERS), *RESERVES)
+        free = (key for key in liked if not keys.forbidden(key) and not keys.taken(key))
         wish.key = next(free, "")
         if wish.key:
             keys.take(wish.key, wish.title, wish.place)
@@ -61,7 +63,7 @@ def grant(wishes: Iterable[KeyRequest], layout: str) -> None:
         wish.comb.warning(f"{wish.why}; {instead if wish.key else nothing}")
 
 
-def _granted(wish: KeyRequest, keys: FileKeys, layout: str) -> bool:
+def _gets_own_key(wish: KeyRequest, keys: FileKeys, layout: str) -> bool:
     """Whether the wish has got its key, or wishes for none."""
     try:
         written = comb(wish.comb.node)
@@ -77,12 +79,6 @@ def _granted(wish: KeyRequest, keys: FileKeys, layout: str) -> bool:
     keys.take(key, wish.title, wish.place)
     wish.key = written
     return True
-
-
-def _liked(title: str) -> Iterator[str]:
-    """Reserve keys, the title's letters and digits first."""
-    plain = unicodedata.normalize("NFKD", title).lower()
-    yield from dict.fromkeys([*(sign for sign in plain if sign in _LETTERS), *RESERVES])
 
 
 def layout_of(cursor: Cursor | None, known: Sequence[str]) -> str:
@@ -133,11 +129,9 @@ def comb(node: Node) -> str:
         raise KeyNameError(
             f"{len(presses)} keys one after the other are too many; at most two are possible"
         )
-    return " ".join(_chord(*press) for press in presses)
-
-
-def _chord(held: list[str], key: str) -> str:
-    return "+".join([*(name for name in _ORDER if name in held), key])
+    return " ".join(
+        "+".join([*(name for name in _ORDER if name in held), key]) for held, key in presses
+    )
 
 
 def _tokens(node: Node) -> Iterator[str]:
@@ -149,12 +143,12 @@ def _tokens(node: Node) -> Iterator[str]:
             yield from _tokens(entry)
     elif isinstance(node, ScalarNode):
         if not node.is_null:
-            yield from _split(node.text)
+            yield from _tokens_of_text(node.text)
     else:
         raise KeyNameError(f"expected a list of keys such as [ctrl, 1], not {described(node)}")
 
 
-def _split(text: str) -> Iterator[str]:
+def _tokens_of_text(text: str) -> Iterator[str]:
     """Mousetrap's own spelling, too: `ctrl+1`, `g i`."""
     if text == " ":
         yield "space"
@@ -162,10 +156,10 @@ def _split(text: str) -> Iterator[str]:
     for part in text.split():
         pieces = ["+"] if part == "+" else part.replace("++", "+plus").split("+")
         for piece in filter(None, pieces):
-            yield _named(piece)
+            yield _token_of(piece)
 
 
-def _named(piece: str) -> str:
+def _token_of(piece: str) -> str:
     if len(piece) == 1:
         return "plus" if piece == "+" else piece
     if len(piece) > 20:

@@ -31,7 +31,6 @@ def entry(name: str, value: Value, place: FilePosition) -> Entry:
 
 
 def table(entries: Iterable[Entry], place: FilePosition) -> MappingNode:
-    """A mapping."""
     made = MappingNode(place)
     for name, where, value in entries:
         made.entries[name] = value

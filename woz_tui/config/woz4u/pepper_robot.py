@@ -135,20 +135,19 @@ def _autonomy(cursor: Cursor | None) -> MappingNode | None:
     warn_unknown(fields, AUTONOMY)
     entries: list[made_nodes.Entry] = []
     for name, entry in fields.items():
-        found = _life(name, entry)
-        if found is not None and found[1] is not None:
-            entries.append(made_nodes.entry(found[0], found[1], entry.place))
+        value: str | float | bool | None
+        if name in _WORDS:
+            ours, choices = _WORDS[name]
+            value = woz4u_values.word(entry, choices, _AS_IT_IS)
+        elif name in _DISTANCES:
+            ours, value = _DISTANCES[name], woz4u_values.number(entry, _METRES, _AS_IT_IS)
+        elif name in _FLAGS:
+            ours, value = _FLAGS[name], woz4u_values.flag(entry, _AS_IT_IS)
+        else:
+            continue
+        if value is not None:
+            entries.append(made_nodes.entry(ours, value, entry.place))
     return made_nodes.table(entries, cursor.place) if entries else None
-
-
-def _life(name: str, cursor: Cursor) -> tuple[str, str | float | bool | None] | None:
-    """The driver's name and the value of one setting (None: left as it is); None: there is none."""
-    if name in _WORDS:
-        ours, choices = _WORDS[name]
-        return ours, woz4u_values.word(cursor, choices, _AS_IT_IS)
-    if name in _DISTANCES:
-        return _DISTANCES[name], woz4u_values.number(cursor, _METRES, _AS_IT_IS)
-    return (_FLAGS[name], woz4u_values.flag(cursor, _AS_IT_IS)) if name in _FLAGS else None
 
 
 def voice(table: Mapping[str, Cursor]) -> dict[str, ScalarNode]:

@@ -93,11 +93,13 @@ def translate(root: Cursor, own: Collection[str], move: PathRewriter) -> Transla
     }
     _report_unread(table, named, {*own, *TOP_LEVEL, *EARLIER, *woz4u_panels.locks_of(table, named)})
     kept = {name: table[name] for name in own if name in table}
-    found, robot = _read(root, table, named, move)
+    found, robot = _read_sections(root, table, named, move)
     woz4u_panels.name_apart(found)
-    _keys(found, layout_of(kept.get("keyboard"), tuple(LAYOUTS)))
+    _give_keys(found, layout_of(kept.get("keyboard"), tuple(LAYOUTS)))
     start = root.place
-    sections: dict[str, tuple[FilePosition, Node]] = {"title": (start, _title(start))}
+    name = one_line(Path(start.file).name) or "config"  # a name may hold bytes that are no text
+    title = made_nodes.node(f"WoZ4U: {name}", start)
+    sections: dict[str, tuple[FilePosition, Node]] = {"title": (start, title)}
     sections |= {name: (cursor.place, cursor.node) for name, cursor in kept.items()}
     sections["robot"] = (start, robot)
     sections["steps"] = (start, pepper_robot.steps(table, start))
@@ -105,11 +107,6 @@ def translate(root: Cursor, own: Collection[str], move: PathRewriter) -> Transla
     sections["panels"] = (start, ListNode(start, [node for _, node in nodes]))
     made_table = made_nodes.table([(name, *entry) for name, entry in sections.items()], start)
     return Translation(made_table, _remarks(made_table, nodes))
-
-
-def _title(start: FilePosition) -> Node:
-    name = one_line(Path(start.file).name) or "config"  # a name may hold bytes that are no text
-    return made_nodes.node(f"WoZ4U: {name}", start)
 
 
 def _by_newest_names(table: dict[str, Cursor]) -> dict[str, Cursor]:
@@ -148,7 +145,7 @@ def _report_unread(
             cursor.warning(f"this key is not used{f'; did you mean {near!r}?' if near else ''}")
 
 
-def _read(
+def _read_sections(
     root: Cursor, table: Mapping[str, Cursor], named: Mapping[str, Cursor], move: PathRewriter
 ) -> tuple[list[PanelDraft], MappingNode]:
     """Every section as a panel, and the robot. `named`: lists with names of the study's own."""
@@ -197,7 +194,7 @@ def _panel(
     return PanelDraft(title, lock, cursor.place if cursor is not None else root.place, [])
 
 
-def _keys(found: list[PanelDraft], layout: str) -> None:
+def _give_keys(found: list[PanelDraft], layout: str) -> None:
     """Give every button its key, or another one with the reason why."""
     wishes = [
         (button, KeyRequest(button.title, button.comb))

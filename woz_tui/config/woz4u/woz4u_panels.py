@@ -136,25 +136,26 @@ def name_apart(panels: Sequence[PanelDraft]) -> None:
 
 def movement(place: FilePosition) -> list[ButtonDraft]:
     """What the page's movement section does beside the arrow keys, and more of its kind."""
+    ahead = [made_nodes.entry(name, 0.0, place) for name in ("yaw", "pitch")]
     return [
         _plain("Wake up", place, "the motors on", torque=True),
         _plain("Rest", place, "the resting position, the motors off", torque=False),
         _plain("Stand", place, "the neutral stand", posture="Stand"),
         _plain("StandInit", place, "ready to go", posture="StandInit"),
         _plain("Home", place, "every joint back to the stand", home=1.0),
-        _plain("Look ahead", place, "", gaze=_angles(place)),
+        _plain("Look ahead", place, "", gaze=made_nodes.table(ahead, place)),
     ]
 
 
 def autonomy(place: FilePosition) -> list[ButtonDraft]:
     """The robot's states and engagement modes; all its settings are on the console's own page."""
-    return [
-        *(_plain(word.capitalize(), place, "autonomous life", autonomy=word) for word in STATES),
-        *(
-            _plain(mode, place, "engagement", autonomy=_engagement(mode, place))
-            for mode in ENGAGEMENT_MODES
-        ),
+    buttons = [
+        _plain(word.capitalize(), place, "autonomous life", autonomy=word) for word in STATES
     ]
+    for mode in ENGAGEMENT_MODES:
+        engagement = made_nodes.table([made_nodes.entry("engagement", mode, place)], place)
+        buttons.append(_plain(mode, place, "engagement", autonomy=engagement))
+    return buttons
 
 
 def speaking(figures: Mapping[str, ScalarNode]) -> list[ButtonDraft]:
@@ -180,12 +181,3 @@ def _plain(title: str, place: FilePosition, hint: str, **does: made_nodes.Value)
     """A button of ours, without a key."""
     entries = [made_nodes.entry(verb, value, place) for verb, value in does.items()]
     return ButtonDraft(title, place, entries, place, help=hint)
-
-
-def _angles(place: FilePosition) -> MappingNode:
-    zero = [made_nodes.entry(name, 0.0, place) for name in ("yaw", "pitch")]
-    return made_nodes.table(zero, place)
-
-
-def _engagement(mode: str, place: FilePosition) -> MappingNode:
-    return made_nodes.table([made_nodes.entry("engagement", mode, place)], place)

@@ -17,10 +17,12 @@ def decoded(cursor: Cursor, text: str) -> str:
     unknown: dict[str, None] = {}
 
     def character(match: re.Match[str]) -> str:
-        found = _character(match[0], match[1])
-        if found is None:
-            unknown.setdefault(match[0])
-            return match[0]
+        entity, name = match[0], match[1]
+        known = name.startswith("#") or f"{name};" in html5
+        found = html.unescape(entity) if known else entity
+        if found in ("", entity, "\ufffd"):  # it is none, or nothing that can stand in a text
+            unknown.setdefault(entity)
+            return entity
         return found
 
     made = _ENTITY.sub(character, text)
@@ -29,14 +31,6 @@ def decoded(cursor: Cursor, text: str) -> str:
         what = "no HTML entities; they stay as they are" if many else "no HTML entity; it stays"
         cursor.warning(f"{', '.join(quoted(word) for word in unknown)}: {what}")
     return made
-
-
-def _character(entity: str, name: str) -> str | None:
-    """What an entity stands for, or None if it is none or nothing that can stand in a text."""
-    if not name.startswith("#") and f"{name};" not in html5:
-        return None
-    found = html.unescape(entity)
-    return None if found in ("", entity, "\ufffd") else found
 
 
 def literal(text: str) -> str:

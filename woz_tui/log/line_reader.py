@@ -74,26 +74,29 @@ class LineChunk:
 def lines_in(chunk: LineChunk, damage: Damage) -> list[LogLine]:
     """The messages of a chunk, without the lines that open a segment."""
     if chunk.data is None:
-        _lost(chunk, 0, damage)
+        _note_damaged(chunk, 0, damage)
         return []
     found = []
     offset = 0
     for piece in chunk.data.split(b"\n"):
-        raw = _clean(piece, damage)
-        if raw:
+        text = piece
+        if b"\0" in piece:
+            damage.nul_bytes += piece.count(b"\0")
+            text = piece.replace(b"\0", b"")
+        if raw := text.strip(b" \t\r\n"):
             line = decode(raw)
             if line is None:
-                _lost(chunk, offset + len(piece) - len(piece.lstrip(b"\0 \t\r")), damage)
+                _note_damaged(chunk, offset + len(piece) - len(piece.lstrip(b"\0 \t\r")), damage)
             elif line.seq < 0:
-                _account(line, damage)
+                _note_dropped(line, damage)
             else:
-                _judge(line, damage)
+                _note_unknown(line, damage)
                 found.append(line)
         offset += len(piece) + 1
     return found
 
 
-def _lost(chunk: LineChunk, offset: int, damage: Damage) -> None:
+def _note_damaged(chunk: LineChunk, offset: int, damage: Damage) -> None:
     if chunk.whole:
         damage.damaged += 1
     else:
@@ -101,7 +104,7 @@ def _lost(chunk: LineChunk, offset: int, damage: Damage) -> None:
     damage.at(chunk.path, chunk.offset + offset)
 
 
-def _account(line: LogLine, damage: Damage) -> None:
+def _note_dropped(line: LogLine, damage: Damage) -> None:
     """What the recorder says of lines that it could not keep: so far, of the whole session."""
     if isinstance(head := line.message, Segment):
         damage.dropped = max(damage.dropped, head.dropped)
@@ -111,7 +114,7 @@ def _account(line: LogLine, damage: Damage) -> None:
             damage.unwritten.append(span)
 
 
-def _judge(line: LogLine, damage: Damage) -> None:
+def _note_unknown(line: LogLine, damage: Damage) -> None:
     """Note what this version does not know about the line."""
     if line.kind == "session.start":
         schema = line.fields.get("schema", SCHEMA)
@@ -169,7 +172,7 @@ def chunks_of(
             def read(size: int, start: int) -> bytes:
                 return os.pread(fd, size if until is None else min(size, until - start), start)
 
-            yield from _cut(path, read, damage, block)
+            yield from _chunks_read(path, read, damage, block)
     except OSError as error:
         damage.unreadable.append(f"{path}: {error.strerror}")
 
@@ -178,7 +181,7 @@ def chunks_of(
 _Read = Callable[[int, int], bytes]
 
 
-def _cut(path: Path, read: _Read, damage: Damage, block: int) -> Iterator[LineChunk]:
+def _chunks_read(path: Path, read: _Read, damage: Damage, block: int) -> Iterator[LineChunk]:
     start, size = 0, min(block, _BEGINNING)
     while data := read(size, start):
         end = data.rfind(b"\n") + 1
@@ -207,10 +210,3 @@ def _end_of_line(read: _Read, start: int, block: int) -> tuple[int, bool]:
             return start + end, True
         start += len(data)
     return start, False
-
-
-def _clean(text: bytes, damage: Damage) -> bytes:
-    if b"\0" in text:
-        damage.nul_bytes += text.count(b"\0")
-        text = text.replace(b"\0", b"")
-    return text.strip(b" \t\r\n")

@@ -150,15 +150,15 @@ class _Links:
             self._copied.add(before.name)
         others = [other for other in (before, after) if other is not None]
         self._named.update({other.name: other for other in others})
-        return [*(other.parent for other in others), *self._spill(path, first)]
-
-    def _spill(self, path: Path, first: dict[str, Any]) -> list[Path]:
-        said = first.get("spill")
-        texts = said[:_PLACES] if isinstance(said, list) else []
-        if texts and isinstance(texts[0], str):
-            self.spill = texts[0]
-        folders = (_elsewhere(path, text) for text in texts)
-        return [folder for folder in folders if folder is not None]
+        spill = first.get("spill")
+        names = spill[:_PLACES] if isinstance(spill, list) else []
+        if names and isinstance(names[0], str):
+            self.spill = names[0]
+        folders = (_elsewhere(path, name) for name in names)
+        return [
+            *(other.parent for other in others),
+            *(folder for folder in folders if folder is not None),
+        ]
 
     def missing(self, found: Iterable[Path]) -> tuple[Path, ...]:
         """Files of actions that are named but not among those found, wherever those lie."""

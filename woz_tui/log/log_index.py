@@ -19,7 +19,7 @@ import os
 import zlib
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -77,9 +77,9 @@ def scan(files: LogFiles, opened: ExitStack, block: int, *, indexed: bool = True
     into `opened`. Samples that an index describes are left where they are, unless not `indexed`.
     """
     try:
-        return _in_place(files, opened, block, indexed)
+        return _scan_in_place(files, opened, block, indexed)
     except _OutOfOrderError:
-        return _copied(files, block)
+        return _scan_into_copies(files, block)
 
 
 def is_sample(item: SampleEntry) -> bool:
@@ -94,7 +94,7 @@ def is_sample(item: SampleEntry) -> bool:
 # -- files as they should be ----------------------------------------------------------------------
 
 
-def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> LogScan:
+def _scan_in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> LogScan:
     """Blocks are pieces of the files of samples themselves."""
     found = LogScan()
     sizes = sizes_of(files.paths)
@@ -106,17 +106,19 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
     weave = _Interleaving(found.actions, found.damage)
     ended = any(isinstance(action, SessionEnd) for action in found.actions[-_NEAR_END:])
     for path in files.samples:
-        source = _open(path, opened)
+        source: BinaryIO | None = None
+        with suppress(OSError):  # `chunks_of` says so
+            source = opened.enter_context(open_log(path))
         index = read_index(path, source) if indexed and source is not None else None
         if source is not None and index and weave.passes(index):
             # The line with which a further segment begins stands before the first block.
             head = _piece(source, index[0].offset, 0)
             items_in(LineChunk(path, 0, head), found.damage)
-            found.blocks += map(partial(_indexed, source), index)
+            found.blocks += map(partial(_block_of_index, source), index)
             continue
         for chunk in chunks_of(path, found.damage, block, sizes.get(path)):
             quick = entries_in(chunk)
-            entries = list[SampleEntry](quick) or _looked_at(chunk, found.damage)
+            entries = list[SampleEntry](quick) or _sound_samples(chunk, found.damage)
             if entries and source is not None:
                 low, high = weave.add(entries)
                 read = partial(_piece, source, len(chunk.data or b""), chunk.offset)
@@ -129,7 +131,7 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
     return found
 
 
-def _indexed(source: BinaryIO, entry: IndexEntry) -> SampleBlock:
+def _block_of_index(source: BinaryIO, entry: IndexEntry) -> SampleBlock:
     """A block of which the index says what is in it."""
     checked = False
 
@@ -146,13 +148,6 @@ def _indexed(source: BinaryIO, entry: IndexEntry) -> SampleBlock:
     return SampleBlock(read, entry.first_us, entry.last_us, entry.lasts)
 
 
-def _open(path: Path, opened: ExitStack) -> BinaryIO | None:
-    try:
-        return opened.enter_context(open_log(path))
-    except OSError:
-        return None  # `chunks_of` says so
-
-
 def _piece(source: BinaryIO, size: int, offset: int) -> bytes:
     """Bytes of a file that may have been closed, cut short or lost meanwhile; then none."""
     try:
@@ -161,7 +156,7 @@ def _piece(source: BinaryIO, size: int, offset: int) -> bytes:
         return b""
 
 
-def _looked_at(chunk: LineChunk, damage: Damage) -> list[SampleEntry]:
+def _sound_samples(chunk: LineChunk, damage: Damage) -> list[SampleEntry]:
     """What is left of the samples of a chunk with which something is wrong."""
     found = list[SampleEntry](items_in(chunk, damage))
     if not all(map(is_sample, found)):
@@ -229,7 +224,7 @@ class _Interleaving:
 # -- files as they should not be ------------------------------------------------------------------
 
 
-def _copied(files: LogFiles, block: int) -> LogScan:
+def _scan_into_copies(files: LogFiles, block: int) -> LogScan:
     """Blocks are copies, compressed and in memory: all samples, each once and in order."""
     found = LogScan()
     for batch in batches(files.paths, found.damage, gaps=True, block=block):

@@ -60,7 +60,6 @@ def level_of(lag_us: int) -> str:
 
 
 def worse(one: str, other: str) -> str:
-    """The worse of two levels."""
     return max(one, other, key=LEVELS.index)
 
 
@@ -325,10 +324,10 @@ class Recorder:
                         self._segment.wake(self._defer)
                 except OSError as error:
                     self._stop_writing(disk_problem(error))
-            if which == ACTIONS and not self._writable and not self._switched(message):
+            if which == ACTIONS and not self._writable and not self._wait_for_switch(message):
                 self._unwritten = self._unwritten or UnwrittenSpan(message.t)
 
-    def _switched(self, message: Message) -> bool:
+    def _wait_for_switch(self, message: Message) -> bool:
         """Wait a moment for the next segment; whether it has taken the message's line. With the
         lock held.
         """
@@ -446,7 +445,12 @@ class Recorder:
         while True:
             began = time.monotonic()
             self._wake.wait(_POLL_S)
-            self._ignore_standstill(time.monotonic() - began - _POLL_S)
+            late_s = time.monotonic() - began - _POLL_S
+            if late_s > STANDSTILL_S:
+                # The process was stopped, or had no processor: no fault of the disk.
+                with self._lock:
+                    for backlog in self._backlogs:
+                        backlog.excuse(round(late_s * 1e6), self._clock.now_us())
             self._wake.clear()
             closing = self._closed
             self._report()
@@ -454,13 +458,6 @@ class Recorder:
             self._report()
             if closing:
                 return
-
-    def _ignore_standstill(self, seconds: float) -> None:
-        """The process was stopped, or had no processor: no fault of the disk."""
-        if seconds > STANDSTILL_S:
-            with self._lock:
-                for backlog in self._backlogs:
-                    backlog.excuse(round(seconds * 1e6), self._clock.now_us())
 
     def _repair(self) -> None:
         """Whatever has to be opened is opened, or tried again when its time has come."""
@@ -496,7 +493,7 @@ class Recorder:
         problems: list[str] = []
         for folder in self._series.order(old.folder if old else None):
             try:
-                new = self._open(folder, reason or "; ".join(problems))
+                new = self._open_segment(folder, reason or "; ".join(problems))
             except OSError as error:
                 problems.append(f"{without_home(folder)}: {disk_problem(error)}")
                 continue
@@ -514,9 +511,9 @@ class Recorder:
             self._lock.notify_all()
         return False
 
-    def _open(self, folder: Path, reason: str) -> OpenSegment:
+    def _open_segment(self, folder: Path, reason: str) -> OpenSegment:
         """A segment in `folder` that holds everything held so far. Raises `OSError`."""
-        new = self._series.create(folder, self._make)
+        new = self._series.create(folder, self._make_segment)
         try:
             number = self._hand_over(new, reason)
             with self._lock:
@@ -546,7 +543,7 @@ class Recorder:
             actions.file_took(number)
         return number
 
-    def _make(self, folder: Path, name: FileName) -> OpenSegment:
+    def _make_segment(self, folder: Path, name: FileName) -> OpenSegment:
         return OpenSegment(
             folder,
             name,
@@ -630,7 +627,7 @@ class Recorder:
             for folder in self._series.order(old.folder):
                 try:
                     if file.deleted:
-                        self._copy(which, file, folder)
+                        self._copy_deleted(which, file, folder)
                     problem = ""
                     break
                 except OSError as error:
@@ -638,7 +635,7 @@ class Recorder:
             with self._lock:
                 self._unrescued = problem or self._unrescued
 
-    def _copy(self, which: int, file: LogFile, folder: Path) -> None:
+    def _copy_deleted(self, which: int, file: LogFile, folder: Path) -> None:
         with self._lock:
             name = self._series.claim(which == SAMPLES)
             what = "copy of a deleted file"
@@ -653,10 +650,10 @@ class Recorder:
         lag_us, samples_us = (backlog.take_worst_us(now_us) for backlog in self._backlogs)
         if self._segment is not None and self._segment.takes_samples:
             lag_us = max(lag_us, samples_us - round(SAMPLES_EVERY_S * 1e6), 0)
-        self._health.measure(now_us, lag_us, self._floor(now_us))
+        self._health.measure(now_us, lag_us, self._least_level(now_us))
         return now_us
 
-    def _floor(self, now_us: int) -> str:
+    def _least_level(self, now_us: int) -> str:
         if self._failed and not self._writable:
             return "failed"
         if self._reason or self._failed or (self._segment and not self._segment.takes_samples):

@@ -190,7 +190,6 @@ class Coding:
         return (code for code in self.codes if after < code.t <= until)
 
     def close(self) -> None:
-        """Nothing more is written."""
         os.close(self._file)
 
     def _write(self, line: msgspec.Struct) -> None:

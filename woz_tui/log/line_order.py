@@ -137,11 +137,10 @@ class SequenceChecker(Generic[N]):
         self._last: N | None = None
 
     def new_lines(self, batch: list[N]) -> list[N]:
-        """What is new in `batch`."""
         numbers = list(map(seq_of, batch))
         before = self._last.seq if self._last is not None else -1
         if not numbers or numbers[0] <= before or not is_rising(numbers):
-            batch = self._once(batch)
+            batch = self._without_repeats(batch)
             numbers = list(map(seq_of, batch))
         if not batch:
             return batch
@@ -160,7 +159,7 @@ class SequenceChecker(Generic[N]):
         """Everything up to `item` was new and in order."""
         self._last = item
 
-    def _once(self, batch: list[N]) -> list[N]:
+    def _without_repeats(self, batch: list[N]) -> list[N]:
         new = []
         last = self._last
         for item in batch:

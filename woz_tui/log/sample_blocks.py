@@ -170,13 +170,13 @@ class SampleBlocks:
     def at(self, t_us: int) -> SampleState:
         """What was said last, up to and with `t_us`."""
         whole = bisect_right(self._highs, t_us)
-        found = self._before(whole)
+        found = self._last_before(whole)
         begun = bisect_right(self._lows, t_us)
         for block in [*self._blocks[whole:begun], *self._strays]:
             if block.low <= t_us:
                 chunk = _chunk(block)
                 entries: Sequence[SampleEntry] = entries_in(chunk) or items_in(chunk, Damage())
-                _join(found, last_samples([each for each in entries if each.t <= t_us]))
+                _keep_later(found, last_samples([each for each in entries if each.t <= t_us]))
         said = [
             last.message() if isinstance(last, QuickReading | QuickEngagement) else last
             for last in found.values()
@@ -185,7 +185,7 @@ class SampleBlocks:
         shown = next((each for each in said if isinstance(each, EngagementShown)), None)
         return SampleState(readings, shown)
 
-    def _before(self, count: int) -> LastSamples:
+    def _last_before(self, count: int) -> LastSamples:
         """The last sample of each sensor in the first `count` blocks."""
         found: LastSamples = {}
         missing = set(self._names)
@@ -223,7 +223,7 @@ class SampleBlocks:
         return kept
 
 
-def _join(found: LastSamples, others: LastSamples) -> None:
+def _keep_later(found: LastSamples, others: LastSamples) -> None:
     """Some of `others` came before what was found and some after it."""
     for name, last in others.items():
         known = found.get(name)

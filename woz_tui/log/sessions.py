@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import glob
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -76,9 +76,12 @@ def all_logs_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
             else:
                 problems.append(f"{path}: these are samples without the log they belong to")
     # Of a pattern, what coders set lies beside its log.
-    told = [path for path in no_logs if not (found and path.name.endswith(CODINGS))]
-    problems += [f"{path}: {why_no_log(path.name)}" for path in told]
-    return [*_first_segments(found)], problems
+    odd = [path for path in no_logs if not (found and path.name.endswith(CODINGS))]
+    problems += [f"{path}: {why_no_log(path.name)}" for path in odd]
+    # Later segments in another folder belong to a session that is named already.
+    begun = {stem for (_, stem), path in found.items() if _number(path) == 1}
+    logs = [path for (_, stem), path in found.items() if _number(path) == 1 or stem not in begun]
+    return logs, problems
 
 
 def _paths(name: str, problems: list[str]) -> Iterator[Path]:
@@ -120,14 +123,6 @@ def _is_log(path: Path) -> bool:
 def _number(path: Path) -> int:
     name = FileName.parse(path.name)
     return 0 if name is None else name.number
-
-
-def _first_segments(found: dict[tuple[Path, str], Path]) -> Iterable[Path]:
-    """Later segments in another folder belong to a session that is named already."""
-    begun = {stem for (_, stem), path in found.items() if _number(path) == 1}
-    for (_, stem), path in found.items():
-        if _number(path) == 1 or stem not in begun:
-            yield path
 
 
 # -- copies ---------------------------------------------------------------------------------------

@@ -99,12 +99,12 @@ class _Checker:
         if line.sample:
             self._verdict.samples += 1
             return
-        self._sums(line)
+        self._check_sum(line)
         self._verdict.lines += 1
         self._hash.update(line.raw + b"\n")
-        self._requests(line)
+        self._count_ends(line)
 
-    def _sums(self, line: LogLine) -> None:
+    def _check_sum(self, line: LogLine) -> None:
         if line.kind == "session.end":
             self._verdict.ended = True
         elif line.kind != "checkpoint":
@@ -117,7 +117,7 @@ class _Checker:
         elif self._verdict.broken_after is None:
             self._verdict.broken_after = self._sound_to
 
-    def _requests(self, line: LogLine) -> None:
+    def _count_ends(self, line: LogLine) -> None:
         opens, closes = _OPENS.get(line.kind), _CLOSES.get(line.kind)
         name = opens or closes
         if name is None or not isinstance(line.fields.get(name), str):

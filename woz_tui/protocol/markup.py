@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 #: What a voice can do of it, and what that is in words.
@@ -83,21 +83,21 @@ def marks(text: str) -> Iterator[Mark]:
     """All markup of a text, in its order."""
     for found in _MARK.finditer(text):
         if found["tag"]:
-            yield _tag(found)
+            yield _mark_of_tag(found)
         elif found["move"]:
             yield Mark(found[0], found.start(), "gestures")
         else:
-            yield _element(found)
+            yield _mark_of_element(found)
 
 
 def sentence(text: str) -> str:
     """A text without its markup, as somebody hears it; one without any as it is."""
-    return _replaced(text, lambda mark: "")
+    return _replaced(text, None)
 
 
 def for_voice(text: str, can: Collection[str]) -> str:
     """What a voice gets that can do so much of `ABILITIES`: what it cannot do is taken out."""
-    return _replaced(text, lambda mark: _kept(mark, can))
+    return _replaced(text, can)
 
 
 def left_out(text: str, can: Collection[str]) -> list[Mark]:
@@ -148,7 +148,7 @@ _COMMA = ","
 _CLOSING = frozenset(".,;:!?)")
 
 
-def _tag(found: re.Match[str]) -> Mark:
+def _mark_of_tag(found: re.Match[str]) -> Mark:
     name, value = found["tag"].lower(), found["value"] or ""
     number = float(value) if _NUMBER.fullmatch(value) else None
     mark = Mark(found[0], found.start(), "tags")
@@ -163,7 +163,7 @@ def _tag(found: re.Match[str]) -> Mark:
     return mark
 
 
-def _element(found: re.Match[str]) -> Mark:
+def _mark_of_element(found: re.Match[str]) -> Mark:
     name, around = found["element"], found["element"] in _AROUND
     given = dict(_ATTRIBUTE.findall(found["attributes"]))
     pause = rate = None
@@ -201,11 +201,12 @@ def _kept(mark: Mark, can: Collection[str]) -> str:
     return ""
 
 
-def _replaced(text: str, replacement: Callable[[Mark], str]) -> str:
+def _replaced(text: str, can: Collection[str] | None) -> str:
+    """The text for a voice that can do so much; None: for nobody, and without pauses."""
     made, at, whole = "", 0, True
     for mark in marks(text):
         made += text[at : mark.start]
-        at, new = mark.end, replacement(mark)
+        at, new = mark.end, "" if can is None else _kept(mark, can)
         if new == mark.written:
             made += new
             continue

@@ -19,7 +19,7 @@ from woz_tui.config.keys.keymap import key_map
 from woz_tui.config.keys.terminals import PLAIN, STOPS, Terminal
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.console.commands import COMMANDS, by_key, calls, hints, open_named
-from woz_tui.console.drawing.cells import Cells, clean
+from woz_tui.console.drawing.cells import clean
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.drawing.key_caps import KeyCap, cap_of, caption, key_name
 from woz_tui.console.drawing.partial_update import cropped
@@ -414,14 +414,11 @@ class Console(ScreenApp):
             cut=self._key("cut"),
             following=(self._key(step.key), step.begins) if step is not None else ("", ""),
         )
-        frame = functools.partial(self._frame, now)
         self._main_screen.events.key = self._key("events")
-        self._main_screen.paint(self.state, frame, line, bar, self.size)
+        screen = PaintFrame(*self.size, now, self.look.glyphs)
+        self._main_screen.paint(self.state, screen, line, bar)
         if self.dialog is not None and self.dialog.is_mounted:
             self.dialog.refreshed()
-
-    def _frame(self, now: int, widget: Cells) -> PaintFrame:
-        return PaintFrame(widget.size.width, widget.size.height, now, self.look.glyphs)
 
     def _begins(self) -> tuple[str, str]:
         """The key of what is to begin before anything comes next, and what; without a key, why

@@ -17,7 +17,7 @@ from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
-from woz_tui.console.drawing.glyphs import PaintFrame
+from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.theme import look_style
 from woz_tui.system import text_cleaning
 
@@ -155,6 +155,10 @@ class Cells(Widget):
     def text(self) -> str:
         """What is shown, without looks."""
         return "\n".join("".join(text for text, _ in row) for row in self._rows)
+
+    def frame(self, now: int, glyphs: Glyphs) -> PaintFrame:
+        """Its room, for one painting."""
+        return PaintFrame(self.size.width, self.size.height, now, glyphs)
 
     def on_resize(self) -> None:
         """Ask for rows that fit the new size."""

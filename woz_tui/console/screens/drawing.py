@@ -55,7 +55,7 @@ class DrawingDialog(Dialog):
     def refreshed(self) -> None:
         """Draw what has changed."""
         for cells in self.query("#drawing").results(Cells):
-            frame = PaintFrame(cells.size.width, cells.size.height, self.now, self.glyphs)
+            frame = cells.frame(self.now, self.glyphs)
             if count := self.count():
                 cells.show(self.rows(self._chosen % count, frame))
             else:

@@ -9,7 +9,7 @@ Bodies stand with the meters: beside them where it is narrow, under them elsewhe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -216,21 +216,18 @@ class MainScreen:
         )
 
     def paint(
-        self,
-        state: ConsoleState,
-        frame: Callable[[Cells], PaintFrame],
-        line: StatusInfo,
-        bar: BarInfo,
-        size: Size,
+        self, state: ConsoleState, screen: PaintFrame, line: StatusInfo, bar: BarInfo
     ) -> None:
-        """Show what has changed; `frame` tells each part's room and the moment."""
-        self.status.paint(state, frame(self.status), line)
+        """Show what has changed."""
+        now, glyphs = screen.now, screen.glyphs
+        self.status.paint(state, self.status.frame(now, glyphs), line)
         for board in self.boards:
             if board.display:
-                board.paint(state, frame(board))
+                board.paint(state, board.frame(now, glyphs))
         parts = (self.panels, self.meters, self.bodies, self.events, self.order, self.actions)
         for part in parts:
-            part.paint(state, frame(part))
-        self.bar.paint(state, frame(self.bar), replace(bar, page=self.panels.page))
-        ellipsis = frame(self.small).glyphs.ellipsis
-        self.small.show([((fit(f" {SMALL.format(*size)}", size.width, ellipsis), "warn"),)])
+            part.paint(state, part.frame(now, glyphs))
+        bar = replace(bar, page=self.panels.page)
+        self.bar.paint(state, self.bar.frame(now, glyphs), bar)
+        small = SMALL.format(screen.width, screen.height)
+        self.small.show([((fit(f" {small}", screen.width, glyphs.ellipsis), "warn"),)])

@@ -12,7 +12,7 @@ from textual.message import Message
 from textual.widgets import TextArea
 
 from woz_tui.console.drawing.cells import Cells
-from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
+from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.link.message_feed import GONE
 from woz_tui.features.questionnaires.answers import OpenQuestionnaire
 from woz_tui.features.questionnaires.items import ItemAnswer
@@ -225,16 +225,13 @@ class QuestionnaireSheet(Vertical):
             return  # not put together yet, or gone already
         run, page, foot = self.run, *self.query(Cells)
         self._show_field(run)
-        frame = self._frame(page)
+        frame = page.frame(0, self._glyphs)
         if run is None:
             page.show(words_rows(self._lines, frame))
             foot.show([])
         else:
             page.show(page_rows(run, frame))
-            foot.show(foot_rows(run, self._frame(foot), self._notice))
-
-    def _frame(self, cells: Cells) -> PaintFrame:
-        return PaintFrame(cells.size.width, cells.size.height, 0, self._glyphs)
+            foot.show(foot_rows(run, foot.frame(0, self._glyphs), self._notice))
 
     def keep_draft(self) -> None:
         """Keep the text that stands in the field and is not confirmed."""

@@ -197,12 +197,12 @@ class Console(ScreenApp):
     def _take_in(self, local: int) -> None:
         for came in self.inbox.taken():
             if isinstance(came, Loss):
-                self._cut(came, local)
+                self._connection_lost(came, local)
             else:
                 self._work_in(came, local)
         self._open_offered()
         for tiding in self.state.study.read_news():
-            self.news(self._sentence(tiding), tiding.look)
+            self.news(self._with_keys(tiding), tiding.look)
         if (refusal := self.state.runs.read_refusal()) is not None:
             self.news(refusal.sentence(self.state.label(refusal.action)), "warn")
             self._news_driver = refusal.driver
@@ -212,43 +212,35 @@ class Console(ScreenApp):
         if self.state.edition != self._edition:
             self._edition = self.state.edition
             self._adopt()
-        self._ask_first()
-
-    @property
-    def _plays(self) -> bool:
-        """Whether keys of this console play."""
-        return self.state.role == "wizard"
-
-    def _ask_first(self) -> None:
-        """Keys behind which something is asked before they play."""
-        asked = {name: name for name in asked_words(self.state)} if self._plays else {}
-        if asked and (name := upcoming(self.state)) in asked:
-            asked[order_keys()[0]] = name
-        self.keyboard.asks_first = asked
+        # Keys behind which something is asked before they play, where keys play at all.
+        asked = asked_words(self.state) if self.state.role == "wizard" else {}
+        first = {action: action for action in asked}
+        if first and (action := upcoming(self.state)) in first:
+            first[order_keys()[0]] = action
+        self.keyboard.asks_first = first
 
     def _work_in(self, batch: list[Incoming], local: int) -> None:
         self.state.apply(batch, local)
         for message in batch:
-            if isinstance(message, Reply):
-                self._replied(message)
-            elif isinstance(message, PictureShown):
-                self.requests.pictured(message)
-            elif isinstance(message, Welcome):
-                self.state.runs.read_refusal()  # an old one
-                self._welcomed(message)
-            elif isinstance(message, DriverHealth):
-                if message.driver == self._news_driver:
+            match message:
+                case Reply():
+                    self._replied(message)
+                case PictureShown():
+                    self.requests.pictured(message)
+                case Welcome():
+                    self.state.runs.read_refusal()  # an old one
+                    self._welcomed(message)
+                case DriverHealth(driver=driver) if driver == self._news_driver:
                     self._news = News()  # it refused in another state
-            elif isinstance(message, ConsoleAttached | ConsoleLost):
-                self._bind_arrows()
-            elif isinstance(message, Mistake) and message.console == self.state.console:
-                what = act_text(self.state, message.run, message.action, self.look.glyphs)
-                self.news(f"Marked as a mistake: {what}", "strong")
-            elif isinstance(message, StopReleased) or (
-                isinstance(message, StopPressed) and message.scope == "all"
-            ):
-                self._stop_changed()
-                if isinstance(message, StopReleased):
+                case ConsoleAttached() | ConsoleLost():
+                    self._bind_arrows()
+                case Mistake(console=self.state.console):
+                    what = act_text(self.state, message.run, message.action, self.look.glyphs)
+                    self.news(f"Marked as a mistake: {what}", "strong")
+                case StopPressed(scope="all"):
+                    self._stop_changed()
+                case StopReleased():
+                    self._stop_changed()
                     self._offer_home()
 
     def _stop_changed(self) -> None:
@@ -263,7 +255,7 @@ class Console(ScreenApp):
             key, label = self._cap_and_label(home)
             self.news(f"The robot is still turned away ({turned}); press {key}: {label}", "warn")
 
-    def _cut(self, loss: Loss, local: int) -> None:
+    def _connection_lost(self, loss: Loss, local: int) -> None:
         self.keyboard.session_came()
         self.state.lose(loss)
         self._loss, self._was_stopped = loss, self.state.session.stop is not None
@@ -291,10 +283,16 @@ class Console(ScreenApp):
                 if offer is not None and offer.opens:
                     open_named(self, offer.opens)
 
-    def _sentence(self, tiding: StudyNews) -> str:
-        """With the keys that it names."""
-        right = " or ".join(map(self._with_key, tiding.right))
-        text = f"{tiding.text}; right: {right}" if right else tiding.text
+    def _with_keys(self, tiding: StudyNews) -> str:
+        """What a study has to tell, with the keys that it names."""
+        text = tiding.text
+        if tiding.right:
+            right = []
+            for action in tiding.right:
+                cap = caption(self.caps.get(action, KeyCap("")), self.look.glyphs)
+                label = self.state.label(action)
+                right.append(f"{label} ({cap})" if cap else label)
+            text = f"{text}; right: {' or '.join(right)}"
         command, does = tiding.command
         key = self._key(command) if command else ""
         return f"{text}; {press_to(key, does)}" if key else text
@@ -307,7 +305,7 @@ class Console(ScreenApp):
         if self._was_lost:
             self._was_lost = False
             calls("screens.lost:close_lost")(self)
-            self._back()
+            self._tell_return()
         text, remedy = self.greeting
         if text:
             self.greeting = ("", "")
@@ -326,8 +324,8 @@ class Console(ScreenApp):
         elif self.keyboard.session_came():
             self.news("Keys pressed during the start were not played", "warn")
 
-    def _back(self) -> None:
-        """The robot process is there again: what it did not play of the keys pressed before."""
+    def _tell_return(self) -> None:
+        """Say that the robot process is back, and which presses did nothing meanwhile."""
         late = {
             self.state.label(action): ended.reason
             for action, ended in self.state.runs.outcomes.items()
@@ -490,11 +488,6 @@ class Console(ScreenApp):
             self._news, self._news_until = News(), 0
             self.paint()
 
-    def _with_key(self, action: str) -> str:
-        """`Hello (h)`."""
-        label, cap = self.state.label(action), self.caps.get(action, KeyCap(""))
-        return f"{label} ({caption(cap, self.look.glyphs)})" if cap.chord else label
-
     def _cap_and_label(self, action: str) -> tuple[str, str]:
         """One without a key is the first in the finder."""
         cap = caption(self.caps.get(action, KeyCap("")), self.look.glyphs)
@@ -569,11 +562,17 @@ class Console(ScreenApp):
         if chord == CLOSES and dialog is not None:
             name = "leave"
         if dialog is not None and (not dialog.plays or name == "leave" or chord in dialog.own_keys):
-            return self._key_in_dialog(name)
+            # Closing and releasing the stop work in every dialog; the rest is the dialog's.
+            if name == "leave":
+                self.close_dialog()
+            elif name == "release":
+                self.do(name)
+            return name in ("leave", "release")
         self._end_peek()
         asked = self.keyboard.take_asked_first(chord)
         if asked is None:
-            if self.keyboard.press(chord, age_us=_age_us(event)):
+            waited_us = max(0, round((time.monotonic() - event.time) * 1_000_000))
+            if self.keyboard.press(chord, age_us=waited_us):
                 return True
             asked = self.keyboard.take_asked_first(chord)
         if asked is not None:
@@ -629,16 +628,6 @@ class Console(ScreenApp):
         robots = {name.partition(".")[0] for name in short} if "." in "".join(short) else {""}
         return f"{'This robot has no' if len(robots) < 2 else 'No robot here has a'} {_LACKS[verb]}"
 
-    def _key_in_dialog(self, name: str | None) -> bool:
-        """Closing and releasing the stop work in every dialog; the rest is the dialog's."""
-        if name == "leave":
-            self.close_dialog()
-        elif name == "release":
-            self.do(name)
-        else:
-            return False
-        return True
-
     def _end_peek(self) -> None:
         """Close what ends with any key."""
         if self.dialog is not None and self.dialog.ends_with_key:
@@ -689,8 +678,3 @@ class Console(ScreenApp):
         if top is not None:
             self.keyboard.takes_late = top.takes_late
         self.keyboard.free = top is None or top.plays
-
-
-def _age_us(event: events.Event) -> int:
-    """How long an event has waited for the screen, in microseconds."""
-    return max(0, round((time.monotonic() - event.time) * 1_000_000))

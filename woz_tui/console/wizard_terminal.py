@@ -98,8 +98,9 @@ class WizardDriver(LinuxDriver):
         self._wake_in, self._wake_out = os.pipe()
         os.set_blocking(self._wake_in, False)
         os.set_blocking(self._wake_out, False)
-        self._picture_terminal = PictureTerminal(lambda: self._output, self._line, self._wake)
-        getattr(app, "picture_terminal_found", lambda terminal: None)(self._picture_terminal)
+        self._picture_terminal = PictureTerminal(self._taken_output, self._line, self._wake)
+        if (found := getattr(app, "picture_terminal_found", None)) is not None:
+            found(self._picture_terminal)
         self._read_s = 0.0
         self._scanner = Scanner()
         self._parser = XTermParser(self._debug)
@@ -171,20 +172,24 @@ class WizardDriver(LinuxDriver):
         if self._output is not None:
             self._output.write(data)
 
+    def _taken_output(self) -> Output | None:
+        """The terminal's output while it is taken."""
+        return self._output
+
     def _repaint(self) -> None:
         self._in_app(self._app.refresh)
 
-    def _in_app(self, callback: Callable[[], object]) -> None:
+    def _in_app(self, callback: Callable[..., object], *arguments: object, **named: Any) -> None:
         """Call back in the app's thread, in order with the events it was sent before."""
 
         def call() -> None:
-            callback()
+            callback(*arguments, **named)
 
         with contextlib.suppress(RuntimeError):  # the loop has closed: nobody to tell
             self.send_message(events.Callback(call))
 
     def _leave(self, code: int) -> None:
-        self._in_app(lambda: self._app.exit(return_code=code))
+        self._in_app(self._app.exit, return_code=code)
 
     # -- in: the reading thread -----------------------------------------------------------------
 
@@ -214,7 +219,7 @@ class WizardDriver(LinuxDriver):
             return
         stops = [token.source for token in self._unread() if isinstance(token, StopToken)]
         if stops:  # perhaps in a signal's handler: the interrupted code may hold the locks
-            run_aside(lambda: self._stop_all(stops))
+            run_aside(self._stop_all, stops)
 
     def _stop_all(self, sources: list[str]) -> None:
         for source in sources:
@@ -310,7 +315,7 @@ class WizardDriver(LinuxDriver):
             self._carry_out(tokens)
         except Exception as error:  # noqa: BLE001
             text = clean(f"a key could not be handled: {type(error).__name__}: {error}")
-            self._in_app(lambda: self._app.notify(text, severity="error", markup=False))
+            self._in_app(self._app.notify, text, severity="error", markup=False)
 
     def _carry_out(self, tokens: list[Token]) -> None:
         for token in tokens:
@@ -366,8 +371,7 @@ class WizardDriver(LinuxDriver):
             self._picture_terminal.sixel = reply.raw.startswith(b"\x1b[?") and 4 in reply.values[1:]
             found = getattr(self._app, "terminal_found", None)
             if found is not None:
-                terminal = _terminal(bool(self._kitty & 1))
-                self._in_app(lambda: found(terminal))
+                self._in_app(found, _terminal(bool(self._kitty & 1)))
 
     def _interrupted(self) -> None:
         self._keyboard.stop("ctrl+c")

@@ -153,16 +153,16 @@ class ExitHandler:
 
     def _back(self) -> None:
         self._line.reset()
-        run_aside(lambda: self._feed.ask(Beat(line_ok=True)))
+        run_aside(self._feed.ask, Beat(line_ok=True))
         self._terminal.resume()
 
 
-def run_aside(work: Callable[[], object]) -> None:
-    """Do `work` in another thread and wait a moment for it.
+def run_aside(work: Callable[..., object], *arguments: object) -> None:
+    """Do `work(*arguments)` in another thread and wait a moment for it.
 
     A handler interrupts its thread anywhere, perhaps inside a lock that `work` needs.
     """
-    thread = threading.Thread(target=work, daemon=True)
+    thread = threading.Thread(target=work, args=arguments, daemon=True)
     thread.start()
     thread.join(TELL_S)
 

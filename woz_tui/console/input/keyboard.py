@@ -136,16 +136,16 @@ class Keyboard:
         #: A press that may come from a held key did nothing: its chord and the command's name.
         self.on_held: OnPress = _ignore
         #: The first key of a sequence, while it waits for the second; then empty again.
-        self.on_prefix: Callable[[str], None] = lambda prefix: None
+        self.on_prefix: Callable[[str], None] = _ignore
         #: Whether a key that came late, in a burst, still counts in what has the keyboard. Called
         #: from the thread that reads keys.
-        self.takes_late: Callable[[str], bool] = lambda chord: True
+        self.takes_late: Callable[[str], bool] = _takes_any
         #: Keys that belong to what is drawn over the screen while the rest plays the robot.
         self.kept: frozenset[str] = frozenset()
         #: The stop has come with a key right behind it, as alt and that key do.
-        self.on_alt: Callable[[], None] = lambda: None
+        self.on_alt: Callable[[], None] = _ignore
         #: Keys drive only while they are held: a terminal that can is to say when one is let go.
-        self.on_holds: Callable[[bool], None] = lambda holds: None
+        self.on_holds: Callable[[bool], None] = _ignore
         self._holds = False
         #: Actions, and own keys by id, that the screen asks something about before they are
         #: played, with the action that this is about.
@@ -320,17 +320,29 @@ class Keyboard:
         # A key that was left to the screen has been judged when it arrived.
         if not (offered and self._left) and self._is_held(chord):
             return True
-        for keys in (f"{self._take_prefix()} {chord}".lstrip(), chord):
-            if (action := self._table.get(keys)) is not None:
-                if action in self.asks_first and not stale:
-                    self._asked_first = AskedFirst(chord, keys, action)
-                    return False
-                self._play(keys, action, age_us, stale, at_us)
-                return True
-        if chord in self._prefixes:
-            self._begin(chord, stale)
+        with self._lock:
+            prefix = "" if self._late() else self._prefix
+        self._set_prefix("")
+        for keys in (f"{prefix} {chord}".lstrip(), chord):
+            action = self._table.get(keys)
+            if action is None:
+                continue
+            if action in self.asks_first and not stale:
+                self._asked_first = AskedFirst(chord, keys, action)
+                return False
+            press = KeyPress(keys, age_us, stale, at_us=at_us)
+            ref = self.feed.ask(AskAction(action=action, source="key", **press.fields))
+            (self.on_stale if stale else self.on_pressed)(keys, action, ref)
             return True
-        return self._send(chord, age_us, stale, at_us)
+        if chord not in self._prefixes:
+            return self._send(chord, age_us, stale, at_us)
+        if stale:
+            self.on_stale(chord, "", 0)
+        else:
+            with self._lock:
+                self._prefix_us = self._clock.now_us()
+            self._set_prefix(chord)
+        return True
 
     def take_asked_first(self, chord: str) -> AskedFirst | None:
         """Whether something is to be asked before this key plays; it is told once."""
@@ -376,22 +388,8 @@ class Keyboard:
 
     # -- sequences ------------------------------------------------------------------------------
 
-    def _begin(self, chord: str, stale: bool) -> None:
-        if stale:
-            self.on_stale(chord, "", 0)
-            return
-        with self._lock:
-            self._prefix_us = self._clock.now_us()
-        self._set_prefix(chord)
-
     def _late(self) -> bool:
         return self._clock.now_us() - self._prefix_us > SEQUENCE_S * 1_000_000
-
-    def _take_prefix(self) -> str:
-        with self._lock:
-            prefix = "" if self._late() else self._prefix
-        self._set_prefix("")
-        return prefix
 
     def _set_prefix(self, prefix: str) -> None:
         with self._lock:
@@ -401,11 +399,6 @@ class Keyboard:
             self.on_prefix(prefix)
 
     # -- requests -------------------------------------------------------------------------------
-
-    def _play(self, chord: str, action: str, age_us: int, stale: bool, at_us: int) -> None:
-        press = KeyPress(chord, age_us, stale, at_us=at_us)
-        ref = self.feed.ask(AskAction(action=action, source="key", **press.fields))
-        (self.on_stale if stale else self.on_pressed)(chord, action, ref)
 
     def _send(self, chord: str, age_us: int, stale: bool, at_us: int) -> bool:
         own = self._own.get(chord)
@@ -428,5 +421,9 @@ class Keyboard:
         return True
 
 
-def _ignore(chord: str, action: str, ref: int) -> None:
+def _ignore(*told: object) -> None:
     """Do nothing: the default of a callback."""
+
+
+def _takes_any(chord: str) -> bool:
+    return True

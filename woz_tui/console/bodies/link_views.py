@@ -10,7 +10,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -46,16 +46,13 @@ MARGIN = 0.08
 PlanePoint = tuple[float, float]
 
 
-def _from_side(point: Vector) -> PlanePoint:
-    return point[0], point[2]
-
-
-def _from_above(point: Vector) -> PlanePoint:
-    return -point[1], point[0]
-
-
 SIDE, ABOVE = "side", "above"
-_PROJECTIONS: Mapping[str, Callable[[Vector], PlanePoint]] = {SIDE: _from_side, ABOVE: _from_above}
+
+
+def _flat(view: str, point: Vector) -> PlanePoint:
+    """A place as seen in a view: to the right and up."""
+    front, left, up = point
+    return (front, up) if view == SIDE else (-left, front)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,31 +70,29 @@ def _reach(outline: BodyOutline) -> Mapping[str, Extent]:
     """What the body can reach, as seen in each view; the base and the ground are within it."""
     points = [point for pose in _poses(outline) for point in outline.chain.points(pose)]
     points.append((0.0, 0.0, 0.0))
-    return {name: _extent(map(flat, points)) for name, flat in _PROJECTIONS.items()}
+    found = {}
+    for view in (SIDE, ABOVE):
+        across, up = zip(*(_flat(view, point) for point in points), strict=True)
+        margin = MARGIN * max(max(across) - min(across), max(up) - min(up), 0.01)
+        found[view] = Extent(
+            min(across) - margin, max(across) + margin, min(up) - margin / 2, max(up) + margin
+        )
+    return found
 
 
 def _poses(outline: BodyOutline) -> list[dict[str, float]]:
     """The body's poses on a grid between its limits, as fine as can be tried in a moment."""
     for step in STEPS:
-        grid = {name: _between(low, high, step) for name, (low, high) in outline.limits.items()}
-        if math.prod(map(len, grid.values())) <= MOST_POSES:
+        grid = []
+        for low, high in outline.limits.values():
+            steps = max(1, math.ceil((high - low) / step))
+            grid.append([low + (high - low) * number / steps for number in range(steps + 1)])
+        if math.prod(map(len, grid)) <= MOST_POSES:
             return [
-                dict(zip(grid, angles, strict=True)) for angles in itertools.product(*grid.values())
+                dict(zip(outline.limits, angles, strict=True))
+                for angles in itertools.product(*grid)
             ]
     return [dict(outline.home)]
-
-
-def _between(low: float, high: float, step: float) -> list[float]:
-    steps = max(1, math.ceil((high - low) / step))
-    return [low + (high - low) * number / steps for number in range(steps + 1)]
-
-
-def _extent(points: Iterable[PlanePoint]) -> Extent:
-    across, up = zip(*points, strict=True)
-    margin = MARGIN * max(max(across) - min(across), max(up) - min(up), 0.01)
-    return Extent(
-        min(across) - margin, max(across) + margin, min(up) - margin / 2, max(up) + margin
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +106,7 @@ class Projection:
 
     def dot(self, point: Vector) -> Dot:
         """The dot nearest to a place."""
-        across, up = _PROJECTIONS[self.view](point)
+        across, up = _flat(self.view, point)
         return round((across - self.left) * self.scale), round((self.top - up) * self.scale)
 
 
@@ -152,29 +147,27 @@ def draw_view(
 ) -> DotCanvas:
     """One view of a body."""
     sheet = DotCanvas(*size, STALE_LAYERS if pose.stale else LAYERS)
-    _ground(sheet, sight)
+    x, y = sight.dot((0.0, 0.0, 0.0))
+    if sight.view == SIDE:  # the floor; from above a cross where the base stands
+        sheet.line((0, y), (sheet.width * ACROSS - 1, y), "ground", every=2)
+    else:
+        sheet.line((x - 3, y), (x + 3, y), "ground")
+        sheet.line((x, y - 3), (x, y + 3), "ground")
     here = pose.reached if pose.reached is not None else pose.wanted
     if here is None:
         return sheet
     if pose.reached is not None and pose.wanted is not None:
         _links(sheet, sight, outline, pose.wanted, "wanted")
-    _gaze(sheet, sight, outline, here)
+    origin, direction = outline.chain.ray(here)
+    far = GAZE / sight.scale  # some way along the line of sight
+    end = tuple(at + far * along for at, along in zip(origin, direction, strict=True))
+    sheet.line(sight.dot(origin), sight.dot((end[0], end[1], end[2])), "gaze", every=SPARSE)
     _links(sheet, sight, outline, here, "links")
     *joints, eyes = outline.chain.points(here)
     for joint in joints[1:]:
         sheet.stamp(sight.dot(joint), JOINT, "joints")
     sheet.stamp(sight.dot(eyes), EYES, "joints")
     return sheet
-
-
-def _ground(sheet: DotCanvas, sight: Projection) -> None:
-    """The floor from the side; from above a cross where the base stands."""
-    x, y = sight.dot((0.0, 0.0, 0.0))
-    if sight.view == SIDE:
-        sheet.line((0, y), (sheet.width * ACROSS - 1, y), "ground", every=2)
-    else:
-        sheet.line((x - 3, y), (x + 3, y), "ground")
-        sheet.line((x, y - 3), (x, y + 3), "ground")
 
 
 def _links(
@@ -187,13 +180,3 @@ def _links(
     dots = [sight.dot(point) for point in outline.chain.points(angles)]
     for start, end in itertools.pairwise(dots):
         sheet.line(start, end, layer)
-
-
-def _gaze(
-    sheet: DotCanvas, sight: Projection, outline: BodyOutline, angles: Mapping[str, float]
-) -> None:
-    """From the eyes some way along their line of sight."""
-    origin, direction = outline.chain.ray(angles)
-    far = GAZE / sight.scale
-    end = tuple(a + far * b for a, b in zip(origin, direction, strict=True))
-    sheet.line(sight.dot(origin), sight.dot((end[0], end[1], end[2])), "gaze", every=SPARSE)

@@ -38,20 +38,17 @@ def pane_rows(state: ConsoleState, frame: PaintFrame) -> list[Row]:
     if not count:
         return []
     width = (frame.width - GAP * (count - 1)) // count
-    inner = replace(frame, width=width)
-    blocks = [(_column(body, inner, len(seen) - count), width) for body in seen[:count]]
+    place = replace(frame, width=width)
+    blocks = []
+    for body in seen[:count]:
+        lights = body.outline.face
+        tight = lights is not None and face_size(*lights, compact=False)[0] == width
+        indent = 0 if tight else 1
+        inner = replace(place, width=width - indent, height=frame.height - 1)
+        rows = [_title(body, place, len(seen) - count)]
+        rows += [((" " * indent, "plain"), *row) for row in _arranged(body, inner)]
+        blocks.append((rows, width))
     return cut_rows(side_by_side(blocks, frame.height, frame.glyphs, GAP), frame)
-
-
-def _column(seen: BodyView, frame: PaintFrame, more: int) -> list[Row]:
-    lights = seen.outline.face
-    tight = lights is not None and face_size(*lights, compact=False)[0] == frame.width
-    indent = 0 if tight else 1
-    inner = replace(frame, width=frame.width - indent, height=frame.height - 1)
-    return [
-        _title(seen, frame, more),
-        *(((" " * indent, "plain"), *row) for row in _arranged(seen, inner)),
-    ]
 
 
 def _title(seen: BodyView, frame: PaintFrame, more: int) -> Row:
@@ -65,42 +62,30 @@ def _title(seen: BodyView, frame: PaintFrame, more: int) -> Row:
 
 def _arranged(seen: BodyView, frame: PaintFrame) -> list[Row]:
     """Large face and both views, or a compact face with one view beside or beneath it."""
+    glyphs, width, height = frame.glyphs, frame.width, frame.height
     lights = seen.outline.face or (24, 16)
     columns, lines = face_size(*lights, compact=False)
-    if frame.width >= columns and frame.height >= lines + 2 + 1 + VIEW[1]:
-        return _large(seen, frame, columns, lines)
-    columns, lines = face_size(*lights, compact=True)
-    if frame.width >= columns + VIEW[0] + WORDS + 2 * GAP:
-        return _low(seen, frame, columns)
-    return _slim(seen, frame)
-
-
-def _large(seen: BodyView, frame: PaintFrame, columns: int, lines: int) -> list[Row]:
-    words = frame.width - columns - GAP
-    face = face_rows(seen, frame.glyphs, compact=False)
-    if words >= WORDS:
-        described = word_rows(seen, frame.glyphs, words, lines)
-        rows = side_by_side([(face, columns), (described, words)], lines, frame.glyphs, GAP)
-    else:
-        rows = [*face, *short_rows(seen, frame.glyphs)]
-    return rows + view_rows(seen, frame.glyphs, frame.width, frame.height - len(rows))
-
-
-def _low(seen: BodyView, frame: PaintFrame, columns: int) -> list[Row]:
-    view = frame.width - columns - WORDS - 2 * GAP
-    blocks = [
-        (face_rows(seen, frame.glyphs, compact=True), columns),
-        (_drawn(seen, {SIDE: (view, frame.height)}, frame.glyphs)[SIDE], view),
-        (word_rows(seen, frame.glyphs, WORDS, frame.height), WORDS),
-    ]
-    return side_by_side(blocks, frame.height, frame.glyphs, GAP)
-
-
-def _slim(seen: BodyView, frame: PaintFrame) -> list[Row]:
-    rows = [*face_rows(seen, frame.glyphs, compact=True), *short_rows(seen, frame.glyphs)]
-    spare = frame.height - len(rows)
-    if spare >= VIEW[1] and frame.width >= VIEW[0]:
-        rows += _drawn(seen, {SIDE: (frame.width, spare)}, frame.glyphs)[SIDE]
+    if width >= columns and height >= lines + 2 + 1 + VIEW[1]:
+        rows = face_rows(seen, glyphs, compact=False)
+        words = width - columns - GAP
+        if words >= WORDS:
+            described = word_rows(seen, glyphs, words, lines)
+            rows = side_by_side([(rows, columns), (described, words)], lines, glyphs, GAP)
+        else:
+            rows += short_rows(seen, glyphs)
+        return rows + view_rows(seen, glyphs, width, height - len(rows))
+    columns, _ = face_size(*lights, compact=True)
+    face = face_rows(seen, glyphs, compact=True)
+    view = width - columns - WORDS - 2 * GAP
+    if view >= VIEW[0]:
+        side = _drawn(seen, {SIDE: (view, height)}, glyphs)[SIDE]
+        words_beside = word_rows(seen, glyphs, WORDS, height)
+        blocks = [(face, columns), (side, view), (words_beside, WORDS)]
+        return side_by_side(blocks, height, glyphs, GAP)
+    rows = [*face, *short_rows(seen, glyphs)]
+    spare = height - len(rows)
+    if spare >= VIEW[1] and width >= VIEW[0]:
+        rows += _drawn(seen, {SIDE: (width, spare)}, glyphs)[SIDE]
     return rows
 
 
@@ -142,18 +127,15 @@ def _drawn(
     seen: BodyView, sizes: dict[str, tuple[int, int]], glyphs: Glyphs
 ) -> dict[str, list[Row]]:
     if "joints" in seen.hidden:
-        return {view: _hidden_view(*size) for view, size in sizes.items()}
+        hidden: dict[str, list[Row]] = {}
+        for view, (width, height) in sizes.items():
+            hidden[view] = [((" " * width, "plain"),)] * height
+            hidden[view][height // 2] = ((fit(HIDDEN.center(width), width), "muted"),)
+        return hidden
     return {
         view: draw_view(seen.outline, seen.pose, sight, sizes[view]).rows(glyphs)
         for view, sight in projections(seen.outline, sizes).items()
     }
-
-
-def _hidden_view(width: int, height: int) -> list[Row]:
-    """A view of a pose that the wizard does not get to see."""
-    rows: list[Row] = [((" " * width, "plain"),)] * height
-    rows[height // 2] = ((fit(HIDDEN.center(width), width), "muted"),)
-    return rows
 
 
 class BodyPane(Cells):

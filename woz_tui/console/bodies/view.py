@@ -34,34 +34,34 @@ class BodyView:
 
 def body_views(state: ConsoleState, now: int, glyphs: Glyphs) -> list[BodyView]:
     """Every body of the session, in the robot file's order."""
-    return [_body_view(state, outline, now, glyphs) for outline in body_outlines(state.outlines)]
-
-
-def _body_view(state: ConsoleState, outline: BodyOutline, now: int, glyphs: Glyphs) -> BodyView:
-    driver = outline.driver
     session = state.session
-    body, mode = session.bodies.get(driver), session.modes.get(driver)
-    values = dict(_flattened(body.values if body is not None else {}))
-    reached = _sensors(state, outline, "joint")
-    wanted = _sensors(state, outline, "setpoint")
-    newest = max((sensor.t for sensor in (*reached.values(), *wanted.values())), default=None)
-    lost = state.health(driver) == "lost"
-    if state.perception.hides("joints"):
-        reached, wanted = {}, {}  # not even how old they are
-    stale = bool(state.lost) or lost or any(state.is_stale(one, now) for one in reached.values())
-    since = state.drivers[driver].t if lost else newest
-    old = ""
-    if stale:
-        old = f"{glyphs.stale}{age(now - since)} old" if since is not None else "lost"
-    return BodyView(
-        outline,
-        session.faces.get(driver),
-        Pose(_joint_angles(outline, reached), _joint_angles(outline, wanted), stale=bool(old)),
-        values,
-        (mode.now if mode is not None else "") or str(values.get("mode") or "normal"),
-        old,
-        state.perception.hidden,
-    )
+    views = []
+    for outline in body_outlines(state.outlines):
+        driver = outline.driver
+        body, mode = session.bodies.get(driver), session.modes.get(driver)
+        values = dict(_flattened(body.values if body is not None else {}))
+        reached = _sensors(state, outline, "joint")
+        wanted = _sensors(state, outline, "setpoint")
+        newest = max((sensor.t for sensor in (*reached.values(), *wanted.values())), default=None)
+        lost = state.health(driver) == "lost"
+        if state.perception.hides("joints"):
+            reached, wanted = {}, {}  # not even how old they are
+        stale = lost or any(state.is_stale(one, now) for one in reached.values())
+        since = state.drivers[driver].t if lost else newest
+        old = ""
+        if stale or state.lost:
+            old = f"{glyphs.stale}{age(now - since)} old" if since is not None else "lost"
+        view = BodyView(
+            outline,
+            session.faces.get(driver),
+            Pose(_joint_angles(outline, reached), _joint_angles(outline, wanted), stale=bool(old)),
+            values,
+            (mode.now if mode is not None else "") or str(values.get("mode") or "normal"),
+            old,
+            state.perception.hidden,
+        )
+        views.append(view)
+    return views
 
 
 def _sensors(state: ConsoleState, outline: BodyOutline, kind: str) -> dict[str, SensorView]:

@@ -45,28 +45,23 @@ def brightness_look(brightness: float) -> str:
 def light_rows(frame: LightFrame, glyphs: Glyphs, look: str, *, compact: bool) -> list[Row]:
     """The whole frame, `size` as large."""
     columns, lines = size(frame.width, frame.height, compact=compact)
-    draw = _eighths if compact else _halves
-    return [((draw(frame, line, columns, glyphs), look),) for line in range(lines)]
+    halves = _HALVES_ASCII if glyphs.ascii else _HALVES
+    rows: list[Row] = []
+    for y in range(lines):
+        text = ""
+        for x in range(columns):
+            if compact:
+                bits = 0
+                for across in range(ACROSS):
+                    for down in range(DOWN):
+                        if _lit(frame, x * ACROSS + across, y * DOWN + down):
+                            bits |= bit(across, down)
+                text += _SHADES[bits.bit_count()] if glyphs.ascii else braille(bits)
+            else:
+                text += halves[_lit(frame, x, 2 * y) + 2 * _lit(frame, x, 2 * y + 1)]
+        rows.append(((text, look),))
+    return rows
 
 
 def _lit(frame: LightFrame, column: int, row: int) -> bool:
     return column < frame.width and row < frame.height and frame.lit(column, row)
-
-
-def _halves(frame: LightFrame, line: int, columns: int, glyphs: Glyphs) -> str:
-    signs = _HALVES_ASCII if glyphs.ascii else _HALVES
-    return "".join(
-        signs[_lit(frame, x, 2 * line) + 2 * _lit(frame, x, 2 * line + 1)] for x in range(columns)
-    )
-
-
-def _eighths(frame: LightFrame, line: int, columns: int, glyphs: Glyphs) -> str:
-    text = ""
-    for column in range(columns):
-        bits = 0
-        for x in range(ACROSS):
-            for y in range(DOWN):
-                if _lit(frame, column * ACROSS + x, line * DOWN + y):
-                    bits |= bit(x, y)
-        text += _SHADES[bits.bit_count()] if glyphs.ascii else braille(bits)
-    return text

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from woz_tui.console.drawing.cells import Piece, Row, clean, cut_rows, fit
-from woz_tui.console.drawing.dot_canvas import ACROSS, DOWN, DotCanvas, DotLayer
+from woz_tui.console.drawing.dot_canvas import ACROSS, DOWN, Dot, DotCanvas, DotLayer
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.meter_rows import side_by_side
 from woz_tui.console.state.driver_outlines import ControlOutline, PanelOutline
@@ -138,55 +138,48 @@ def _short_label(label: str, width: int, ellipsis: str) -> str:
 
 
 def _figures(board: PanelState, control: ControlOutline, glyphs: Glyphs) -> tuple[Piece, Piece]:
-    """The value, and where it has to go."""
+    """The value, and where it has to go: `↑90`, turn it up to 90."""
     value = board.value(control)
     shown = glyphs.dash if value is None else str(value)
     look = _style(board, "strong" if control.label else "muted")
-    return (f"{shown:>3}", look), (_takeover_arrow(board, control, glyphs), "warn")
-
-
-def _takeover_arrow(board: PanelState, control: ControlOutline, glyphs: Glyphs) -> str:
-    """`↑90`: turn it up to 90."""
-    if not board.waits(control):
-        return ""
-    target = board.target(control)
-    return glyphs.warning if target is None else f"{(glyphs.down, glyphs.up)[target[1]]}{target[0]}"
+    way = ""
+    if board.waits(control):
+        target = board.target(control)
+        way = glyphs.warning
+        if target is not None:
+            way = f"{(glyphs.down, glyphs.up)[target[1]]}{target[0]}"
+    return (f"{shown:>3}", look), (way, "warn")
 
 
 def _knob(board: PanelState, control: ControlOutline, glyphs: Glyphs) -> list[Row]:
+    """An arc open at the bottom, turned as far as the knob is, and its pointer; in ASCII a bar."""
     value = board.value(control)
     if glyphs.ascii:
-        dial = _bar_across(value, DIAL[0])
+        filled = round((value or 0) / MOST * DIAL[0])
+        dial: list[Row] = [
+            (("#" * filled, "run"), ("." * (DIAL[0] - filled), "faint")),
+            ((" " * DIAL[0], "plain"),),
+        ]
     else:
-        dial = _dial(value, stale=bool(board.old)).rows(glyphs)
+        dots = DotCanvas(*DIAL, _STALE_LAYERS if board.old else _DIAL_LAYERS)
+        share = -1.0 if value is None else min(1.0, max(0.0, value / MOST))
+        steps = 40
+        for step in range(steps + 1):
+            at = step / steps
+            dots.dot(*_on_dial(at, 3.5), "turned" if at <= share else "rest")
+        if value is not None:
+            for radius in (0.5, 1.5, 2.5):
+                dots.dot(*_on_dial(share, radius), "turned")
+        dial = dots.rows(glyphs)
     number, way = _figures(board, control, glyphs)
     return [(*dial[0], number), (*dial[1], way)]
 
 
-def _dial(value: int | None, *, stale: bool) -> DotCanvas:
-    """An arc open at the bottom, turned as far as the knob is, and its pointer."""
-    dots = DotCanvas(*DIAL, _STALE_LAYERS if stale else _DIAL_LAYERS)
-    middle_x, middle_y = (DIAL[0] * ACROSS - 1) / 2, (DIAL[1] * DOWN - 1) / 2
-    share = -1.0 if value is None else min(1.0, max(0.0, value / MOST))
-
-    def spot(turned: float, radius: float) -> tuple[int, int]:
-        angle = math.radians(turned - TURN / 2)
-        x = middle_x + radius * math.sin(angle)
-        return round(x), round(middle_y - radius * math.cos(angle))
-
-    steps = 40
-    for step in range(steps + 1):
-        at = step / steps
-        dots.dot(*spot(at * TURN, 3.5), "turned" if at <= share else "rest")
-    if value is not None:
-        for radius in (0.5, 1.5, 2.5):
-            dots.dot(*spot(share * TURN, radius), "turned")
-    return dots
-
-
-def _bar_across(value: int | None, width: int) -> list[Row]:
-    filled = round((value or 0) / MOST * width)
-    return [(("#" * filled, "run"), ("." * (width - filled), "faint")), ((" " * width, "plain"),)]
+def _on_dial(share: float, radius: float) -> Dot:
+    """The dot at this share of a knob's turn, so far from its middle."""
+    angle = math.radians(share * TURN - TURN / 2)
+    x = (DIAL[0] * ACROSS - 1) / 2 + radius * math.sin(angle)
+    return round(x), round((DIAL[1] * DOWN - 1) / 2 - radius * math.cos(angle))
 
 
 def _slider(board: PanelState, control: ControlOutline, glyphs: Glyphs) -> list[Row]:
@@ -225,7 +218,7 @@ def _button_text(
 
 
 def _last_moved(board: PanelState, glyphs: Glyphs) -> Row:
-    """What was touched last, in full."""
+    """What was touched last, in full, and how it comes to the robot's value."""
     last = next(reversed(board.knobs.values), "")
     found = next((one for one in board.outline.controls if one.name == last), None)
     if board.old:
@@ -237,21 +230,16 @@ def _last_moved(board: PanelState, glyphs: Glyphs) -> Row:
         (f"{clean(found.name)} ", "strong"),
         (f"{does}: {board.value(found)} of {MOST}", "plain"),
     )
-    if board.waits(found):
-        row += ((f"  {glyphs.warning} {_takeover_text(board, found)}", "warn"),)
-    return row
-
-
-def _takeover_text(board: PanelState, control: ControlOutline) -> str:
-    target = board.target(control)
-    if target is None:
-        return "waits until it has passed the robot's value"
-    ways = (
-        ("turn it left", "turn it right")
-        if control.kind == "knob"
-        else ("move it down", "move it up")
-    )
-    return f"waits: {ways[target[1]]} to {target[0]}"
+    if not board.waits(found):
+        return row
+    told = "waits until it has passed the robot's value"
+    target = board.target(found)
+    if target is not None:
+        turns = ("turn it left", "turn it right")
+        slides = ("move it down", "move it up")
+        way = (turns if found.kind == "knob" else slides)[target[1]]
+        told = f"waits: {way} to {target[0]}"
+    return (*row, (f"  {glyphs.warning} {told}", "warn"))
 
 
 def _advice(board: PanelState, frame: PaintFrame) -> list[Row]:

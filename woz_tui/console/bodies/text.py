@@ -55,11 +55,14 @@ def short_rows(seen: BodyView, glyphs: Glyphs) -> list[Row]:
 def word_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[Row]:
     """As much as fits beside a face, the most important first."""
     move = clean(str(seen.value("move") or "")) or glyphs.dash
+    personality = str(seen.value("personality", "name") or "")
+    if personality and seen.value("changed") is True:
+        personality = f"like {personality}"  # once a trait was turned it is not quite that
     lines: list[tuple[str, str, str]] = [
         ("face", emotion_text(seen) or glyphs.dash, "plain"),
         ("mode", seen.mode, "plain" if seen.mode == "normal" else "wait"),
         ("move", move, "plain" if move == glyphs.dash else "run"),
-        ("personality", _personality_text(seen) or glyphs.dash, "plain"),
+        ("personality", personality or glyphs.dash, "plain"),
         ("breathes", _breathing(seen, glyphs), "plain"),
         ("blinks", _blinking(seen, glyphs), "plain"),
         ("tempo", value_text("tempo", seen.value("tempo"), glyphs), "plain"),
@@ -74,12 +77,6 @@ def word_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[R
         ((fit(name, names, glyphs.ellipsis), "muted"), (clean(text), look))
         for name, text, look in lines[:height]
     ]
-
-
-def _personality_text(seen: BodyView) -> str:
-    """The personality by name; once a trait was turned it is not quite that any more."""
-    name = str(seen.value("personality", "name") or "")
-    return f"like {name}" if name and seen.value("changed") is True else name
 
 
 def _moves_by_itself(modes: Collection[Mode], mode: str) -> bool:

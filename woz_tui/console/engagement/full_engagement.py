@@ -26,7 +26,6 @@ from woz_tui.console.state.engagement_text import (
     sign_verdict,
     signs_of,
     state_row,
-    state_sentence,
     visitor_code,
 )
 from woz_tui.protocol import messages as m
@@ -55,25 +54,29 @@ _TALL = 24
 
 def full_rows(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
     """As many rows as the frame is high; what matters most stands on top."""
-    table = [*_signs(state, shown, frame), _condition(state, shown, frame)]
-    top = [_head(state, shown, frame), _second(state, shown, frame)]
+    glyphs = frame.glyphs
+    table = _sign_table(state, shown, frame)
+    top = [_head(state, shown, frame), _limits_row(state, shown, frame)]
     drawn = frame.width >= WIDTH and frame.height >= len(top) + HEIGHT + len(table) + _LEAST_HISTORY
-    side = drawn and frame.width >= SIDE_BY_SIDE
+    heard: list[Row] = []
     if drawn:
-        top += _states(state, shown, frame, side=side)
+        way = [(change.was, change.now) for change in reversed(state.engaged.changes)]
+        if not way or way[0][1] != shown.state:  # its message is still on the way, or was left out
+            way = list(zip(shown.trail, shown.trail[1:], strict=False))[::-1]
+        states = diagram(shown.state, way, glyphs)
+        if frame.width >= SIDE_BY_SIDE:
+            room = frame.width - WIDTH - 2
+            beside = _transcript_rows(state, replace(frame, width=room), HEIGHT)
+            states = side_by_side([(states, WIDTH), (beside, room)], HEIGHT, glyphs, 2)
+        top += states
     else:
-        top.append((("path  ", "muted"), *path_row(shown, frame.width - 6, frame.glyphs)))
-    rows = [*top, *_spacer(frame), *table, *_spacer(frame)]
-    heard = (
-        [] if side else _transcript_rows(state, frame, _HEARD_LINES if frame.height >= _TALL else 1)
-    )
+        top.append((("path  ", "muted"), *path_row(shown, frame.width - 6, glyphs)))
+    if not drawn or frame.width < SIDE_BY_SIDE:
+        heard = _transcript_rows(state, frame, _HEARD_LINES if frame.height >= _TALL else 1)
+    air: list[Row] = [()] if frame.height >= _TALL else []
+    rows = [*top, *air, *table, *air]
     rows += _history(state, frame, max(1, frame.height - len(rows) - len(heard)))
     return cut_rows(rows, frame, heard)
-
-
-def _spacer(frame: PaintFrame) -> list[Row]:
-    """An empty line where there is room for one."""
-    return [()] if frame.height >= _TALL else []
 
 
 # -- what is now --------------------------------------------------------------------------------
@@ -82,10 +85,8 @@ def _spacer(frame: PaintFrame) -> list[Row]:
 def _head(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     """State, time, run; at the right what is known of the visitor, and attention."""
     glyphs = frame.glyphs
-    row: Row = state_row(state.engaged, shown, frame.now, glyphs, frame.width)
-    if state.lost:
-        told = state_sentence(shown.state, shown.visitor, glyphs)
-        row = ((f"{glyphs.stale} {told}", "stale"),)
+    lost = bool(state.lost)
+    row = state_row(state.engaged, shown, frame.now, glyphs, frame.width, lost=lost)
     if shown.attempt:
         row += ((f"  attempt {shown.attempt}", "plain"),)
     run = run_piece(shown, glyphs)
@@ -106,7 +107,7 @@ def _head(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> R
     return spread(row, right, frame.width, glyphs.ellipsis)
 
 
-def _second(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
+def _limits_row(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     """What is being said, which limits run."""
     glyphs, engaged = frame.glyphs, state.engaged
     if state.lost:
@@ -118,26 +119,8 @@ def _second(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) ->
     return (*row, *((f"{text}   ", look) for text, look in limits))
 
 
-def _states(
-    state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame, *, side: bool
-) -> list[Row]:
-    """The diagram, at its right what was heard."""
-    way = [(change.was, change.now) for change in reversed(state.engaged.changes)]
-    if not way or way[0][1] != shown.state:  # its message is still on the way, or was left out
-        way = list(zip(shown.trail, shown.trail[1:], strict=False))[::-1]
-    drawn = diagram(shown.state, way, frame.glyphs)
-    if not side:
-        return drawn
-    room = frame.width - WIDTH - 2
-    heard = _transcript_rows(state, replace(frame, width=room), HEIGHT)
-    return side_by_side([(drawn, WIDTH), (heard, room)], HEIGHT, frame.glyphs, 2)
-
-
-# -- signs ----------------------------------------------------------------------------------------
-
-
-def _signs(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
-    """A line for each sign beneath the names of the columns."""
+def _sign_table(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> list[Row]:
+    """A line for each sign beneath the names of the columns; last what they come to."""
     filtered = _FILTER + 1 if frame.width >= _WITH_FILTER else 0
     bar = min(_BAR, max(6, frame.width - _NAME - _SENSED - 2 - filtered - 1 - _VERDICT))
     columns = (
@@ -147,17 +130,25 @@ def _signs(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> 
         ("queue", bar + 2),
         ("verdict", len("verdict")),
     )
+    old = bool(state.lost)
+    condition = condition_row(shown, frame.glyphs, old=old)
+    if length(condition) > frame.width:
+        condition = condition_row(shown, frame.glyphs, old=old, brief=True)
+    near = f"   near: up to {shown.social_distance:.2f} m"
+    if "distance" in shown.uses and length(condition) + len(near) <= frame.width:
+        condition += ((near, "muted"),)
     inner = replace(frame, width=bar)
     return [
         tuple((fit(title, width), "title") for title, width in columns),
         *(_sign(name, shown, state, inner, filtered) for name in signs_of(shown)),
+        condition,
     ]
 
 
 def _sign(
     name: str, shown: m.EngagementShown, state: ConsoleState, frame: PaintFrame, filtered: int
 ) -> Row:
-    """One of them. `frame` is the bar's; the filter's name has `filtered` cells."""
+    """A sign's line. `frame` is the bar's; the filter's name has `filtered` cells."""
     sign = shown.signs[name]
     glyphs = frame.glyphs
     found = sign_verdict(name, shown, glyphs, old=bool(state.lost), sensors=state.sensors)
@@ -195,17 +186,6 @@ def _sensed(name: str, sign: m.SignShown) -> str:
     if name == "distance":
         return f"{sign.raw:.2f} m {zone(sign.raw)}" if sign.raw < 100 else "far"
     return "yes" if FLAGS[name](sign.raw) else "no"
-
-
-def _condition(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
-    old = bool(state.lost)
-    row = condition_row(shown, frame.glyphs, old=old)
-    if length(row) > frame.width:
-        row = condition_row(shown, frame.glyphs, old=old, brief=True)
-    near = f"   near: up to {shown.social_distance:.2f} m"
-    if "distance" in shown.uses and length(row) + len(near) <= frame.width:
-        row += ((near, "muted"),)
-    return row
 
 
 # -- what was -------------------------------------------------------------------------------------

@@ -35,7 +35,6 @@ from woz_tui.console.state.engagement_text import (
     sign_verdict,
     signs_of,
     state_row,
-    state_sentence,
 )
 from woz_tui.protocol import messages as m
 from woz_tui.sensing.sample_values import zone
@@ -54,17 +53,22 @@ def block_rows(
     state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame, loudness: Loudness
 ) -> dict[str, list[Row]]:
     """The parts for a session with a model; `loudness` draws the rows that are not the model's."""
-    speech = _speech(state, frame)
+    lost = bool(state.lost)
+    segment = None if lost else state.engaged.speaking(frame.now)
+    speech = "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
     loud = loudness(state, frame, speech)
-    unheard = "" if loud else speech
-    rows = [_state(state, shown, frame)]
+    asks = _now(shown, frame, "" if loud else speech)
+    row = state_row(state.engaged, shown, frame.now, frame.glyphs, frame.width - 1, lost=lost)
+    attempt = f" attempt {shown.attempt}" if shown.attempt else ""
+    rows: list[Row] = [((" ", "plain"), *row, (attempt, "muted"))]
     heard: list[Row] = []
     if frame.height >= FULL:
-        rows.append((name_piece("now", frame), *(_now(shown, frame, unheard) or [_dash(frame)])))
-        rows += [_why(state, frame), *_singles(state, shown, frame)]
+        rows.append((name_piece("now", frame), *(asks or [_dash(frame)])))
+        rows.append(_why(state, frame))
+        rows += [_single(name, shown, state, frame) for name in signs_of(shown)]
         heard.append((name_piece("heard", frame), *_transcript_row(state, frame)))
     else:
-        rows.append(_now_or_heard(state, shown, frame, unheard))
+        rows.append(_now_or_heard(state, frame, asks))
         if frame.height >= MIDDLE:
             rows.append(_why(state, frame))
         rows += _pairs(state, shown, frame)
@@ -75,25 +79,8 @@ def block_rows(
 # -- state, waiting, path, why ------------------------------------------------------------------
 
 
-def _state(state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame) -> Row:
-    """The state as a sentence and for how long; the attempt of a handshake."""
-    glyphs = frame.glyphs
-    row = state_row(state.engaged, shown, frame.now, glyphs, frame.width - 1)
-    if state.lost:
-        told = state_sentence(shown.state, shown.visitor, glyphs)
-        row = ((f"{glyphs.stale} {told}", "stale"),)
-    attempt = f" attempt {shown.attempt}" if shown.attempt else ""
-    return ((" ", "plain"), *row, (attempt, "muted"))
-
-
-def _speech(state: ConsoleState, frame: MeterFrame) -> str:
-    """`speech 3.1 s` while somebody speaks."""
-    segment = None if state.lost else state.engaged.speaking(frame.now)
-    return "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
-
-
 def _now(shown: m.EngagementShown, frame: MeterFrame, unheard: str) -> list[Piece]:
-    """What asks for the wizard at this moment."""
+    """What asks for the wizard at this moment; `unheard`: speech that no other row has."""
     glyphs = frame.glyphs
     found: list[Piece] = []
     if (run := run_piece(shown, glyphs, terse=frame.height < FULL)) is not None:
@@ -105,15 +92,11 @@ def _now(shown: m.EngagementShown, frame: MeterFrame, unheard: str) -> list[Piec
     return found[1:]
 
 
-def _now_or_heard(
-    state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame, unheard: str
-) -> Row:
+def _now_or_heard(state: ConsoleState, frame: MeterFrame, now: list[Piece]) -> Row:
     """What asks for the wizard now with what was just heard, or else what was heard last."""
     heard = state.engaged.transcripts()
-    recent = bool(heard) and frame.now - heard[0].t < HEARD_US
-    now = _now(shown, frame, unheard)
-    if now and recent:
-        now += [("  ", "plain"), quoted(heard[0], frame.glyphs)]
+    if now and heard and frame.now - heard[0].t < HEARD_US:
+        return ((" ", "plain"), *now, ("  ", "plain"), quoted(heard[0], frame.glyphs))
     told = now or _transcript_row(state, frame)
     if [*told] == [_dash(frame)]:
         told = [("nothing heard yet", "muted")]
@@ -227,12 +210,8 @@ def _pair(
     return cut((front, *back), cells + frame.track, glyphs.ellipsis)
 
 
-def _singles(state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame) -> list[Row]:
-    """A row for each sign: name, fill of the queue, verdict with its count."""
-    return [_single(name, shown, state, frame) for name in signs_of(shown)]
-
-
 def _single(name: str, shown: m.EngagementShown, state: ConsoleState, frame: MeterFrame) -> Row:
+    """A row of its own: name, fill of the queue, verdict with its count."""
     sign, glyphs = shown.signs[name], frame.glyphs
     found = sign_verdict(name, shown, glyphs, old=bool(state.lost), sensors=state.sensors)
     quiet = found.look == "stale" or sign.forced or not is_used(name, shown)
@@ -253,7 +232,7 @@ def _distance(state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame) 
     """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
     sign = shown.signs.get("distance")
     if sign is not None and state.sensor("distance") and state.perception.keeps("distance"):
-        return [_hidden_distance(state, frame)]
+        return [_kept_distance(state, frame)]
     if sign is None or (sign.raw is None and state.sensor("distance") is None):
         return []
     stale = bool(state.lost) or sign.stale
@@ -275,7 +254,7 @@ def _distance(state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame) 
     return [meter_row("distance", bar, f"{figure} {zone(sign.raw)}", "plain", frame)]
 
 
-def _hidden_distance(state: ConsoleState, frame: MeterFrame) -> Row:
+def _kept_distance(state: ConsoleState, frame: MeterFrame) -> Row:
     """Its place where the wizard does not see it, or only near and far."""
     sensor = state.sensor("distance")
     if sensor is None or state.perception.hides("distance"):

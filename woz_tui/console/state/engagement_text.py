@@ -150,10 +150,6 @@ def _in_per_cent(sign: m.SignShown) -> bool:
     return sign.filter == "joint" and sign.places == 100
 
 
-def _engaged_sign(shown: m.EngagementShown, glyphs: Glyphs) -> Piece:
-    return (f"{glyphs.yes} ", "good") if shown.engaged else (f"{glyphs.no} ", "muted")
-
-
 def state_sentence(state: str, visitor: str, glyphs: Glyphs | None = None) -> str:
     """A state in words for a person: `visitor V2, engaged`."""
     name = "" if visitor in _UNKNOWN else clean(visitor)
@@ -163,24 +159,38 @@ def state_sentence(state: str, visitor: str, glyphs: Glyphs | None = None) -> st
 
 
 def state_row(
-    engaged: EngagementView, shown: m.EngagementShown, now: int, glyphs: Glyphs, room: int
+    engaged: EngagementView,
+    shown: m.EngagementShown,
+    now: int,
+    glyphs: Glyphs,
+    room: int,
+    *,
+    lost: bool = False,
 ) -> Row:
     """The state as a sentence, with its sign and for how long, in `room` cells if it fits; a wait
-    grows louder and gets another sign when it is too long.
+    grows louder and gets another sign when it is too long. `lost`: the connection is, so that this
+    is old.
     """
+    told = state_sentence(shown.state, shown.visitor, glyphs)
+    if lost:
+        return ((f"{glyphs.stale} {told}", "stale"),)
     waited = engaged.waited(now)
     if engaged.off:
         return ((f"{glyphs.stopped} the model is off", "warn"),)
     if waited is None:
-        told = state_sentence(shown.state, shown.visitor, glyphs)
+        sign: Piece = (f"{glyphs.yes} ", "good") if shown.engaged else (f"{glyphs.no} ", "muted")
         lasted = f" {elapsed(max(0, now - shown.since))}"
         if cell_len(told) + cell_len(lasted) + 2 > room:
             lasted = ""
-        return (_engaged_sign(shown, glyphs), (told, "strong"), (lasted, "muted"))
-    figure = f"{_wait_text(waited)}{_unseen(shown)}"
-    long = f"{state_sentence(shown.state, shown.visitor, glyphs)}, {figure}"
+        return (sign, (told, "strong"), (lasted, "muted"))
+    figure = seconds(waited)
+    if waited >= _WHOLE_US:  # `41 s`, from 100 s on `04:35`
+        figure = f"{waited // 1_000_000} s" if waited < 100_000_000 else elapsed(waited)
+    presence = shown.signs.get("presence")
+    if presence is not None and presence.verdict == 0:
+        figure += ", not seen"  # nobody is lost while the robot thinks: they may have gone
     brief = ("waits for your answer", "waits for answer", "waits")
-    for text in (long, *(f"{words}, {figure}" for words in brief)):
+    for text in (f"{words}, {figure}" for words in (told, *brief)):
         if cell_len(text) + 2 <= room:
             break
     if waited >= LONG_US:
@@ -188,19 +198,6 @@ def state_row(
     if waited >= SLOW_US:
         return ((f"{glyphs.warning} {text}", "warn"),)
     return ((f"{glyphs.waits} {text}", "plain"),)
-
-
-def _wait_text(us: int) -> str:
-    """`4.1 s`, from 10 s on `41 s`, from 100 s on `04:35`."""
-    if us < _WHOLE_US:
-        return seconds(us)
-    return f"{us // 1_000_000} s" if us < 100_000_000 else elapsed(us)
-
-
-def _unseen(shown: m.EngagementShown) -> str:
-    """Nobody is lost while the robot thinks, so they may have gone."""
-    presence = shown.signs.get("presence")
-    return ", not seen" if presence is not None and presence.verdict == 0 else ""
 
 
 def run_piece(shown: m.EngagementShown, glyphs: Glyphs, *, terse: bool = False) -> Piece | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from rich.cells import cell_len
@@ -59,18 +59,16 @@ class StatusInfo:
 def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> list[Row]:
     """Two rows of the frame's width. What does not fit is left out from the right, as a whole."""
     glyphs, width = frame.glyphs, frame.width
-    vitals = _log(state, glyphs) or (
-        *(("  ", "plain"), *_recorder(state, frame)),
-        *(("  ", "plain"), *_line(state, line, frame)),
-    )
+    vitals: Row = ()
+    if state.replay is not None:
+        vitals = _log(state, glyphs)
+    else:
+        for part in (_recorder(state, frame), _line(state, line, frame)):
+            vitals += (("  ", "plain"), *part)
     for name, each in pieces("console", FeatureConsole).items():
         if each.status is not None:
             vitals = (*answer_of(name, (), each.status, state, frame), *vitals)
-    failures = (
-        *_seers(state),
-        *_why(state, line.drivers),
-        *_failures(state, glyphs, line.failures),
-    )
+    failures = _troubles(state, glyphs, line)
     room = width - length(vitals)
     first = spread(_fitting(_session(state, frame, room), room), vitals, width, glyphs.ellipsis)
     for name, each in pieces("console", FeatureConsole).items():
@@ -81,7 +79,10 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
     room = width - length(failures) - length(present := present_row(state, frame, PRESENT))
     drivers = _drivers(state, glyphs, room - GAP if present else room)
     room -= length(drivers) + GAP
-    following = _following(*line.following, room)
+    key, begins = line.following
+    following: Row = ((f" {key} ", "key"), (f" {clean(begins)} ", "muted"))
+    if not key or length(following) > room:
+        following = ()
     present = present_row(state, frame, PRESENT + max(0, room - length(following)))
     return [first, spread(drivers, (*present, *following, *failures), width, glyphs.ellipsis)]
 
@@ -141,21 +142,17 @@ def _values(state: ConsoleState, frame: PaintFrame) -> list[str]:
     """Who takes part, under which condition, in which trial, and so on."""
     study, start = state.session.study, state.session.start
     others = clean(part_names(state.others, state.others))
-    found = (
+    values = [
         clean(study.participant) or "no participant",
         clean(study.condition) or ("no condition" if state.plan.conditions else ""),
         trial_text(state, frame),
         f"with {others}" if others and state.role == "wizard" else "",
-        *_of_features(state),
-        f"session {clean(start.session)}" if start is not None and start.session else "",
-    )
-    return [value for value in found if value]
-
-
-def _of_features(state: ConsoleState) -> Iterator[str]:
+    ]
     for name, console in pieces("console", FeatureConsole).items():
         if console.value is not None:
-            yield answer_of(name, "", console.value, state)
+            values.append(answer_of(name, "", console.value, state))
+    values.append(f"session {clean(start.session)}" if start is not None and start.session else "")
+    return [value for value in values if value]
 
 
 def trial_text(state: ConsoleState, frame: PaintFrame) -> str:
@@ -186,35 +183,29 @@ def _recorder(state: ConsoleState, frame: PaintFrame) -> Row:
     if recorder is None:
         return ((f"{glyphs.no} Not recording yet", "muted"),)
     lag = millis(recorder.lag_us)
-    figure: Row = ((f"{f' ({lag})':<9}", "muted"),) if frame.width >= WORDY else ()
-    levels: dict[str, Row] = {
-        "ok": ((f"{glyphs.yes} Recording", "good"), *figure),
-        "warn": ((f"{glyphs.warning} Recording {lag} late", "warn"),),
-        "alarm": ((f" {glyphs.error} RECORDING {_alarm(recorder.lag_us)} ", "alarm"),),
-        "failed": ((f" {glyphs.error} {_unrecorded(recorder.waived)} ", "alarm"),),
-    }
-    return levels.get(recorder.level, ((f"{glyphs.no} Not recording yet", "muted"),))
-
-
-def _unrecorded(waived: bool) -> str:
-    """No folder takes the log: everything is refused, or the wizard goes on all the same."""
-    return "WITHOUT A RECORD" if waived else "NOT RECORDED"
+    match recorder.level:
+        case "ok":
+            figure: Row = ((f"{f' ({lag})':<9}", "muted"),) if frame.width >= WORDY else ()
+            return ((f"{glyphs.yes} Recording", "good"), *figure)
+        case "warn":
+            return ((f"{glyphs.warning} Recording {lag} late", "warn"),)
+        case "alarm":  # behind the disk, or in trouble with a file: the events say which
+            what = f"{lag} LATE" if recorder.lag_us >= LATE_US else "TROUBLE"
+            return ((f" {glyphs.error} RECORDING {what} ", "alarm"),)
+        case "failed":  # everything is refused, or the wizard goes on all the same
+            what = "WITHOUT A RECORD" if recorder.waived else "NOT RECORDED"
+            return ((f" {glyphs.error} {what} ", "alarm"),)
+        case _:
+            return ((f"{glyphs.no} Not recording yet", "muted"),)
 
 
 def _log(state: ConsoleState, glyphs: Glyphs) -> Row:
     """In a replay: the day of the session, and whether all of its log is there."""
-    if state.replay is None:
-        return ()
     began = wall_time(state.settings, 0)
     day = f"  {began:%Y-%m-%d}  " if began is not None else "  "
     damaged = bool(state.settings.replay and state.settings.replay.notes)
     found = (f"{glyphs.warning} log incomplete ", "warn") if damaged else ("log complete ", "muted")
     return (day, "plain"), found
-
-
-def _alarm(lag_us: int) -> str:
-    """Behind the disk, or in trouble with a file: the events say which."""
-    return f"{millis(lag_us)} LATE" if lag_us >= LATE_US else "TROUBLE"
 
 
 def _line(state: ConsoleState, line: StatusInfo, frame: PaintFrame) -> Row:
@@ -290,20 +281,23 @@ def _drivers_row(
     return tuple(row[:-1])
 
 
-def _why(state: ConsoleState, key: str) -> Row:
-    """The key that says what is wrong with a driver, and what helps, in whole sentences."""
+def _troubles(state: ConsoleState, glyphs: Glyphs, line: StatusInfo) -> Row:
+    """Programs that see what is kept from the wizard; the key that says what is wrong with a
+    driver, and what helps, in whole sentences; how much has failed.
+    """
+    row: Row = ()
+    names = ", ".join(map(clean, state.study.seers.values()))
+    if names and state.keeps:
+        row += ((f" {names} sees all ", "wait"),)
     ill = any(
         driver.health in ("lost", "faulted") or driver_trouble(state, driver.name)
         for driver in state.drivers.values()
     )
-    return ((f" {key} ", "key"), (" why ", "warn")) if ill and key else ()
-
-
-def _failures(state: ConsoleState, glyphs: Glyphs, key: str) -> Row:
-    count = len(state.runs.unseen())
-    if not count:
-        return ()
-    return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
+    if ill and line.drivers:
+        row += ((f" {line.drivers} ", "key"), (" why ", "warn"))
+    if failed := len(state.runs.unseen()):
+        row += ((f" {glyphs.failed} {failed} failed: {line.failures} ", "alarm"),)
+    return row
 
 
 def present_row(state: ConsoleState, frame: PaintFrame, cells: int) -> Row:
@@ -313,18 +307,6 @@ def present_row(state: ConsoleState, frame: PaintFrame, cells: int) -> Row:
         if each.present is not None:
             row += answer_of(name, (), each.present, state, frame, cells)
     return row
-
-
-def _following(key: str, begins: str, room: int) -> Row:
-    """The key that goes on, and what it begins, where there is room."""
-    then: Row = ((f" {key} ", "key"), (f" {clean(begins)} ", "muted"))
-    return then if key and length(then) <= room else ()
-
-
-def _seers(state: ConsoleState) -> Row:
-    """Programs that see what is kept from the wizard."""
-    names = ", ".join(map(clean, state.study.seers.values()))
-    return ((f" {names} sees all ", "wait"),) if names and state.keeps else ()
 
 
 class StatusLines(Cells):

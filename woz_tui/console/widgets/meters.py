@@ -8,7 +8,7 @@ the wizard plays by, and where the robot stands at the bottom.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from rich.cells import cell_len
@@ -33,7 +33,6 @@ from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.engagement_text import state_sentence
 from woz_tui.console.state.view_models import SensorView
 from woz_tui.console.state.wizard_overrides import is_offered
-from woz_tui.protocol import messages as m
 from woz_tui.sensing.sample_values import FLAGS, ZONES, is_share, percent, state_word, zone
 from woz_tui.session.redactor import HIDDEN, perceived_kind
 
@@ -66,7 +65,14 @@ def joint_rows(state: ConsoleState, frame: MeterFrame, room: int, others: int) -
         return [hidden_row("pose", frame)]
     if len(joints) + others <= room:
         return [_joint(state, name, shown, frame) for name, shown in joints.items()]
-    return _folded(state, joints, frame, max(1, room - 1))
+    members = []
+    for name, short in joints.items():
+        sensor = _sensor(state, "joint", name) or _sensor(state, "setpoint", name)
+        if sensor is not None:
+            unit = _unit(sensor, frame)
+            value = "?" if sensor.value is None else f"{round(sensor.value)}{unit}"
+            members.append(_member(short, f"{value:<4}", state.is_stale(sensor, frame.now), frame))
+    return _wrapped(name_piece("pose", frame), members, frame, max(1, room - 1))
 
 
 def _joints(state: ConsoleState) -> dict[str, str]:
@@ -158,18 +164,6 @@ def _range(
     values = [value for value in (here, there) if value is not None]
     half = _HALF if all(abs(value) <= _HALF for value in values) else _WHOLE
     return -half, half
-
-
-def _folded(state: ConsoleState, joints: dict[str, str], frame: MeterFrame, room: int) -> list[Row]:
-    """All joints as text, on as many lines as there is room for."""
-    pieces = []
-    for name, short in joints.items():
-        sensor = _sensor(state, "joint", name) or _sensor(state, "setpoint", name)
-        if sensor is not None:
-            unit = _unit(sensor, frame)
-            value = "?" if sensor.value is None else f"{round(sensor.value)}{unit}"
-            pieces.append(_member(short, f"{value:<4}", state.is_stale(sensor, frame.now), frame))
-    return _wrapped(name_piece("pose", frame), pieces, frame, room)
 
 
 def _member(name: str, value: str, stale: bool, frame: MeterFrame) -> Row:
@@ -275,7 +269,10 @@ def meter_rows(state: ConsoleState, space: PaintFrame) -> list[Row]:
     known = [name for name in state.sensors if name.rpartition(".")[2] in _KNOWN]
     near = [name for name in known if name.endswith("distance")]
     groups = sensor_groups(state, known)
-    frame = meter_frame(space, _names(state, known, groups))
+    names = [_short(name) for name in known if name.rpartition(".")[2] in ("distance", "loudness")]
+    names += [f"{robot}visitor" for robot in _robots(known)]
+    names += [sensors[0].name if len(sensors) == 1 else name for name, sensors in groups.items()]
+    frame = meter_frame(space, [*names, *_joints(state).values()])
     shown = state.session.model.shown
     if shown is not None:
         parts = block_rows(state, shown, frame, _loudness_rows)
@@ -294,27 +291,12 @@ def meter_rows(state: ConsoleState, space: PaintFrame) -> list[Row]:
     parts["pose"] = joint_rows(state, frame, room, len(others))
     for name, row in others.items():
         parts[name] = [*parts.get(name, ()), row]
-    rows = [row for name in _ordered(parts, state.settings.sensors) for row in parts[name]]
+    # What the file names first, in its order; then the others in theirs.
+    first = [name for wish in state.settings.sensors for name in parts if _is_named(name, wish)]
+    rows = [row for name in dict.fromkeys((*first, *parts)) for row in parts[name]]
     if not rows:
         rows = [((fit(" no sensor data yet", frame.width), "muted"),)]
     return cut_rows(rows, frame)
-
-
-def _names(
-    state: ConsoleState, known: Sequence[str], groups: Mapping[str, Sequence[SensorView]]
-) -> list[str]:
-    """What stands at the left of the rows."""
-    meters = [_short(name) for name in known if name.rpartition(".")[2] in ("distance", "loudness")]
-    visitors = [f"{robot}visitor" for robot in _robots([*known])]
-    others = [sensors[0].name if len(sensors) == 1 else name for name, sensors in groups.items()]
-    return [*meters, *visitors, *others, *_joints(state).values()]
-
-
-def _ordered(parts: Iterable[str], wanted: Iterable[str]) -> list[str]:
-    """The parts that the file names first, in its order; then the others in theirs."""
-    names = list(parts)
-    first = [name for wish in wanted for name in names if _is_named(name, wish)]
-    return list(dict.fromkeys((*first, *names)))
 
 
 def _is_named(part: str, wish: str) -> bool:
@@ -391,11 +373,11 @@ def _loudness(state: ConsoleState, name: str, frame: MeterFrame, speech: str = "
     level = decibels(sensor.value)
     speaking = sensor.state == "speaking"
     full = track_cell(1 - level / SILENCE_DB, width + 1)
-    threshold = _threshold(state, name)
-    mark_at = None if threshold is None else track_cell(1 - decibels(threshold) / SILENCE_DB, width)
     loud = "good" if speaking else "muted"
     cells = [(glyphs.bar, loud) if x < full else (glyphs.track, "faint") for x in range(width)]
-    if mark_at is not None:
+    threshold = state.sensor(f"{name}.threshold")  # from which a voice counts
+    if threshold is not None and threshold.value is not None:
+        mark_at = track_cell(1 - decibels(threshold.value) / SILENCE_DB, width)
         cells[mark_at] = (glyphs.tick, "strong")
     mark = f"{glyphs.yes} voice" if speaking else clean(sensor.state)
     look = "good" if speaking else "warn" if sensor.state in ("clipping", "silent") else "plain"
@@ -404,28 +386,26 @@ def _loudness(state: ConsoleState, name: str, frame: MeterFrame, speech: str = "
     return [meter_row(_short(name), merge_pieces(cells), f"{level:3.0f} dB {mark}", look, frame)]
 
 
-def _threshold(state: ConsoleState, loudness: str) -> float | None:
-    """RMS from which a voice counts, as the microphone published it."""
-    published = state.sensor(f"{loudness}.threshold")
-    return published.value if published is not None else None
-
-
 # -- who is there, and what the robot makes of it -------------------------------------------------
 
 
 def _verdicts(state: ConsoleState, robot: str, frame: MeterFrame) -> list[Row]:
     """Presence, gaze and identity with a mark each: yes, no, old."""
+    glyphs = frame.glyphs
     pieces: list[Piece] = []
     for name, word in (("presence", "person"), ("gaze", "looks")):
         sensor = state.sensor(f"{robot}{name}")
         if sensor is None:
             continue
         if state.perception.hides(name):
-            pieces.append((f"{frame.glyphs.middle} {word} {HIDDEN}", "muted"))
+            mark, told, look = glyphs.middle, f"{word} {HIDDEN}", "muted"
+        elif state.is_stale(sensor, frame.now):
+            mark, told, look = glyphs.stale, word, "stale"
+        elif FLAGS[name](sensor.value):
+            mark, told, look = glyphs.yes, word, "good"
         else:
-            yes = bool(FLAGS[name](sensor.value))
-            pieces.append(_verdict(yes, word, state.is_stale(sensor, frame.now), frame.glyphs))
-        pieces.append(("  ", "plain"))
+            mark, told, look = glyphs.no, word, "muted"
+        pieces += [(f"{mark} {told}", look), ("  ", "plain")]
     who = state.sensor(f"{robot}identity")
     if who is not None and state.perception.hides("identity"):
         pieces.append((f"who {HIDDEN}", "muted"))
@@ -436,39 +416,28 @@ def _verdicts(state: ConsoleState, robot: str, frame: MeterFrame) -> list[Row]:
     return [(name_piece(f"{robot}visitor", frame), *pieces)] if pieces else []
 
 
-def _verdict(yes: bool, word: str, stale: bool, glyphs: Glyphs) -> Piece:
-    if stale:
-        return (f"{glyphs.stale} {word}", "stale")
-    if yes:
-        return (f"{glyphs.yes} {word}", "good")
-    return (f"{glyphs.no} {word}", "muted")
-
-
 def _engagement(state: ConsoleState, frame: MeterFrame) -> list[Row]:
     changed = state.session.model.changed
     if state.perception.hides("engagement") and is_offered(state.engaged, state.verbs):
         return [hidden_row("engaged", frame)]
     if changed is None:
         return []
-    verdicts = "  ".join(_marked(changed, frame.glyphs))
+    glyphs = frame.glyphs
     first: Row = (
         name_piece("engaged", frame),
-        (state_sentence(changed.now, changed.visitor, frame.glyphs), "strong"),
+        (state_sentence(changed.now, changed.visitor, glyphs), "strong"),
     )
-    if length(first) + cell_len(verdicts) + 2 <= frame.width:
-        first += ((f"  {verdicts}", "muted"),)
-    why: Row = (name_piece("", frame), (clean(changed.why), "muted"))
-    return [first, why]
-
-
-def _marked(changed: m.EngagementChanged, glyphs: Glyphs) -> list[str]:
     marked = []
     for name, value in changed.verdicts.items():
         if isinstance(value, bool | int | float):
             marked.append(f"{glyphs.yes if value else glyphs.no} {clean(name)}")
         elif isinstance(value, str):
             marked.append(clean(value))
-    return marked
+    verdicts = "  ".join(marked)
+    if length(first) + cell_len(verdicts) + 2 <= frame.width:
+        first += ((f"  {verdicts}", "muted"),)
+    why: Row = (name_piece("", frame), (clean(changed.why), "muted"))
+    return [first, why]
 
 
 class Meters(Cells):

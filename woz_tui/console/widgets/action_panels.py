@@ -82,7 +82,11 @@ def lay_out(panels: Sequence[PanelView], width: int, height: int, cap: int) -> P
                 flow = _balanced(panels, flow, columns, height, air=air, split=split)
                 if flow.used < columns:
                     continue
-            short = _cut_short(panels, cells - cap - FIXED)
+            short = sum(
+                cell_len(action.label) > cells - cap - FIXED
+                for panel in panels
+                for action in panel.actions
+            )
             far = abs(best - cells)
             cost = (flow.pages, short, flow.splits, -air, cells < COMFORTABLE, far)
             found = PanelLayout(tuple(flow.slots), flow.pages, columns, cells, short, flow.splits)
@@ -129,10 +133,6 @@ def _balanced(
         if lowered is not None and (lowered.pages, lowered.splits) <= (1, flow.splits):
             return lowered
     return flow
-
-
-def _cut_short(panels: Sequence[PanelView], room: int) -> int:
-    return sum(cell_len(action.label) > room for panel in panels for action in panel.actions)
 
 
 @dataclass(frozen=True, slots=True)
@@ -335,7 +335,10 @@ def _slot(
     room = frame.width - cap - 1
     texts = clean(slot.action.label), said.get(slot.action.name, "")
     body = _body(texts, standing, (word, look), room, frame.glyphs)
-    return ((_centred(key, cap, frame.glyphs.ellipsis), keylook), (" ", "plain"), *body)
+    key = fit_most(key, cap - 1, frame.glyphs.ellipsis)
+    before = (cap - cell_len(key)) // 2
+    key = " " * before + key + " " * (cap - before - cell_len(key))
+    return ((key, keylook), (" ", "plain"), *body)
 
 
 def _said_above(state: ConsoleState, panel: PanelView, button: ButtonState) -> bool:
@@ -353,27 +356,18 @@ def _title(state: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> 
     if whose:
         whose = f" {glyphs.middle} {fit_most(whose, max(WORDS, width // 3), glyphs.ellipsis)}"
     room = width - 3 - cell_len(clean(panel.title)) - cell_len(whose)
-    note = _locked(state, panel, room) if state.is_locked(panel) else ""
-    note = (note or (" continued" if slot.again else "")) + whose
+    note = " continued" if slot.again else ""
+    if state.is_locked(panel):  # with the key that opens it, where there is one and room
+        opener = state.keys.get(button_of("unlock", panel.title, state), "")
+        notes = (f" locked, {opener} opens it", f" locked ({opener})") if opener else ()
+        note = next((each for each in notes if cell_len(each) <= room), " locked")
+    note += whose
     if slot.again and cell_len(clean(panel.title)) > width - 3 - cell_len(note):
         note = note.replace("continued", glyphs.ellipsis)  # rather than half a title
     title = fit_most(panel.title, width - 2 - cell_len(note) - 1, glyphs.ellipsis)
     used = 2 + cell_len(title) + cell_len(note)
     rule = glyphs.rule * max(0, width - used - 1)
     return ((mark, "title"), (title, "title"), (note, "muted"), (" ", "plain"), (rule, "faint"))
-
-
-def _locked(state: ConsoleState, panel: PanelView, room: int) -> str:
-    """` locked, u opens it`, where a key does; less of it where there is no room."""
-    key = state.keys.get(button_of("unlock", panel.title, state), "")
-    notes = (f" locked, {key} opens it", f" locked ({key})") if key else ()
-    return next((note for note in notes if cell_len(note) <= room), " locked")
-
-
-def _centred(text: str, width: int, ellipsis: str) -> str:
-    text = fit_most(text, width - 1, ellipsis)
-    before = (width - cell_len(text)) // 2
-    return " " * before + text + " " * (width - before - cell_len(text))
 
 
 def _body(

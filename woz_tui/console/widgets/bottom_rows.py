@@ -26,14 +26,12 @@ from woz_tui.console.drawing.cells import (
 )
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.number_text import millis
-from woz_tui.console.link.message_feed import Loss
 from woz_tui.console.state.command_text import command_words
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.stop_confirmation import settled_row, stopped_words
 from woz_tui.console.widgets.feature_console import ActionOrder, AskedWords, FeatureConsole
 from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol.messages import FilledCall
-from woz_tui.protocol.panels import ActionView
 from woz_tui.timeline.episodes import StopEpisode
 
 
@@ -41,29 +39,26 @@ def action_row(state: ConsoleState, frame: PaintFrame, keys: Mapping[str, str]) 
     """Each action beside the panels with its key, in a replay alone; what is under way stands
     out.
     """
-    found = [_action(state, frame, action, keys) for action in state.settings.beside_panels]
+    found: list[Row] = []
+    for action in state.settings.beside_panels:
+        if state.runs.of(action.name) is not None:
+            mark, look = frame.glyphs.running, "run"
+        elif state.runs.failure_of(action.name) is not None:
+            mark, look = frame.glyphs.failed, "bad"
+        else:
+            mark, look = " ", "muted"
+        label: Piece = (f"{mark}{clean(action.label)}", look)
+        key = keys.get(action.name, "")
+        if state.replay is not None:  # no key plays anything there
+            found.append((label,))
+        else:
+            found.append(((key, "key") if key else ("no key", "muted"), label))
     need = sum(map(length, found))
     apart = 3 if need + 3 * len(found) <= frame.width else 1
     row: Row = ((" ", "plain"),)
     for each in found:
         row += (*each, (" " * apart, "plain"))
     return cut(row, frame.width, frame.glyphs.ellipsis)
-
-
-def _action(
-    state: ConsoleState, frame: PaintFrame, action: ActionView, keys: Mapping[str, str]
-) -> Row:
-    key = keys.get(action.name, "")
-    if state.runs.of(action.name) is not None:
-        mark, look = frame.glyphs.running, "run"
-    elif state.runs.failure_of(action.name) is not None:
-        mark, look = frame.glyphs.failed, "bad"
-    else:
-        mark, look = " ", "muted"
-    label: Piece = (f"{mark}{clean(action.label)}", look)
-    if state.replay is not None:  # no key plays anything there
-        return (label,)
-    return (key, "key") if key else ("no key", "muted"), label
 
 
 class ActionRow(Cells):
@@ -85,15 +80,13 @@ def step_words(step: Sequence[FilledCall] | float) -> str:
     """`say “Hello” + play nod`, or `wait 0.5 s`; what several robots do alike stands there once."""
     if isinstance(step, float | int):
         return f"wait {step:g} s"
-    alike = Counter(map(_call_words, step))
+    alike = Counter[str]()
+    for call in step:
+        text = command_words(call)
+        alike[f"{call.verb} {text}" if call.args.get("text") else text] += 1
     return " + ".join(
         words if count == 1 else f"{words} ({count} robots)" for words, count in alike.items()
     )
-
-
-def _call_words(call: FilledCall) -> str:
-    text = command_words(call)
-    return f"{call.verb} {text}" if call.args.get("text") else text
 
 
 def steps_text(state: ConsoleState, action: str) -> str:
@@ -286,20 +279,16 @@ def bar_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
         what = f" {frame.glyphs.warning} Nobody plays {what}. {bar.take_over} plays it from here."
         coming = [((fit(what, frame.width), "alarm-soft"),)]
     if lines > len(coming) + 1:
-        coming += _next_sentence(state, replace(frame, height=2))
+        name, two_rows = upcoming(state), replace(frame, height=2)
+        if (asks := asked_words(state).get(name)) is not None:
+            coming += asks.rows(state, two_rows, name)
+        else:
+            coming += sentence_rows(state, two_rows, name)
     hints = [hint_row(bar.hints, frame.width, bar.page)]
     rows = [*coming, *hints][:lines]
     if urgent:
         rows[lines - len(urgent) :] = urgent
     return rows
-
-
-def _next_sentence(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
-    """What the next action says, and what is asked for before."""
-    name = upcoming(state)
-    if (asks := asked_words(state).get(name)) is not None:
-        return asks.rows(state, frame, name)
-    return sentence_rows(state, frame, name)
 
 
 def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
@@ -313,8 +302,12 @@ def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     if stop is not None and (not state.lost or (stop.settled and asked_us is None)):
         return _stopped(state, stop, bar, frame)
     if state.lost and (asked_us is not None or stop is not None):
-        what = "CONFIRMED" if asked_us is None else "DELIVERED"
-        return _undelivered(state.lost, what, glyphs, width)
+        what, part = "CONFIRMED" if asked_us is None else "DELIVERED", state.lost.part
+        first = f" {glyphs.stop} STOP NOT {what}: use the robot's own switch"
+        if len(told := f"{first}; {part.sentence}") <= width:
+            first = told
+        second = f" {part.robot}"
+        return [((fit(first, width), "alarm"),), ((fit(second, width), "alarm-soft"),)]
     if state.lost:
         why = f" {glyphs.error} {state.lost.part.title}: {clean(state.lost.why)}"
         more = f" {bar.failures} shows what the robot does and what can be done"
@@ -346,14 +339,6 @@ def _below(what: str, news: News, frame: PaintFrame) -> Row:
     text, look = (news.text, news.look) if news.text else (what, "alarm-soft")
     text = f" {frame.glyphs.plain(clean(text))}"
     return ((fit(text, frame.width, frame.glyphs.ellipsis), look),)
-
-
-def _undelivered(loss: Loss, what: str, glyphs: Glyphs, width: int) -> list[Row]:
-    first = f" {glyphs.stop} STOP NOT {what}: use the robot's own switch"
-    if len(told := f"{first}; {loss.part.sentence}") <= width:
-        first = told
-    second = f" {loss.part.robot}"
-    return [((fit(first, width), "alarm"),), ((fit(second, width), "alarm-soft"),)]
 
 
 def _stopped(state: ConsoleState, stop: StopEpisode, bar: BarInfo, frame: PaintFrame) -> list[Row]:

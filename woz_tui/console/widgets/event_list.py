@@ -103,7 +103,7 @@ def event_row(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Row:
     mark = str(getattr(glyphs, event.mark, glyphs.info))
     when = "model" if event.model else elapsed(event.t)
     front: tuple[Piece, ...] = ((f" {when:>5} ", "muted"), (f"{mark} ", look))
-    back = _back(event, state, frame)
+    back = _time_piece(event, state, frame)
     room = frame.width - sum(cell_len(text) for text, _ in (*front, back))
     text = glyphs.plain(clean(event.text))
     times = f"{event.times} times" if event.times > 1 else ""
@@ -128,20 +128,15 @@ def act_text(state: ConsoleState, run: str, action: str, glyphs: Glyphs) -> str:
     return f"{event.text} {quotation(event.utterance, glyphs)}".strip()
 
 
-def _back(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Piece:
+def _time_piece(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Piece:
+    """What stands at the right: how long it took, takes or waits; that it was a mistake."""
     if event.mistake:
         return (" mistake ", "warn")
     if event.took_us is not None:
         told = event.took_us >= BRIEF_US and event.mark not in ("refused", "failed")
         told = told and not event.untimed
         return (f" {seconds(event.took_us)} " if told else " ", "muted")
-    if event.mark == "running":
-        return _under_way(event, state, frame)
-    return (" ", "plain")
-
-
-def _under_way(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Piece:
-    run = state.runs.get(event.run)
+    run = state.runs.get(event.run) if event.mark == "running" else None
     if run is None:
         return (" ", "plain")
     if (held := run.held_for(frame.now)) is not None:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from woz_tui.protocol.robot_outline import RobotOutline, Tag
+from woz_tui.protocol.robot_outline import RobotOutline
 
 
 def names_beginning(typed: str, names: Iterable[str]) -> list[str]:
@@ -111,7 +111,11 @@ def partial_tag(text: str, caret: int) -> PartialTag | None:
     pattern = _VOICE if typed.startswith(_SLASH) else _MOVE
     if not pattern.fullmatch(typed):
         return None
-    return PartialTag(start, caret + _rest(typed, text[caret:]), typed)
+    # Characters behind the caret belong to it, if it is closed there.
+    found = _REST.match(text[caret:])
+    rest = found.group() if found is not None else ""
+    closes = ")" if typed.startswith("^") else _SLASH
+    return PartialTag(start, caret + (len(rest) if rest.endswith(closes) else 0), typed)
 
 
 def tag_offers(begun: PartialTag, outline: RobotOutline) -> list[TagOffer]:
@@ -120,39 +124,24 @@ def tag_offers(begun: PartialTag, outline: RobotOutline) -> list[TagOffer]:
     if bracket:
         return [TagOffer(f"{head}({move})", "") for move in names_containing(name, outline.moves)]
     name, equals, value = begun.typed.partition("=")
-    return [
-        TagOffer(f"{name}={value}{_SLASH}" if equals and value else _short(tag), tag.help)
-        for tag in _matching(name, bool(equals), outline.tags)
-    ]
+    typed = name.casefold()
+    offers = []
+    for tag in outline.tags:
+        known = re.split(r"[=(]|(?<=.)\\", tag.text, maxsplit=1)[0].casefold()
+        if known != typed if equals else not known.startswith(typed):
+            continue
+        front, bracket, _ = tag.text.partition("(")
+        if equals and value:
+            text = f"{name}={value}{_SLASH}"
+        elif tag.text.startswith("^") and bracket:
+            text = f"{front}("  # the name in it is typed next
+        else:
+            text = tag.text
+        offers.append(TagOffer(text, tag.help))
+    return offers
 
 
 def completed(text: str, begun: PartialTag, offer: TagOffer) -> tuple[str, int]:
     """The text with the offer in the tag's place, and where the caret is then."""
     front = text[: begun.start] + offer.text
     return front + text[begun.end :], len(front)
-
-
-def _matching(name: str, whole: bool, tags: Iterable[Tag]) -> list[Tag]:
-    """Tags whose name is this one, or begins so."""
-    folded = name.casefold()
-    return [
-        tag for tag in tags if (_name(tag) == folded if whole else _name(tag).startswith(folded))
-    ]
-
-
-def _name(tag: Tag) -> str:
-    return re.split(r"[=(]|(?<=.)\\", tag.text, maxsplit=1)[0].casefold()
-
-
-def _short(tag: Tag) -> str:
-    """A tag as it is put in: one that takes a name without the name, which is typed next."""
-    front, bracket, _ = tag.text.partition("(")
-    return front + bracket if tag.text.startswith("^") and bracket else tag.text
-
-
-def _rest(typed: str, behind: str) -> int:
-    """Characters behind the caret that belong to the tag, if it is closed there."""
-    found = _REST.match(behind)
-    rest = found.group() if found is not None else ""
-    closes = ")" if typed.startswith("^") else _SLASH
-    return len(rest) if rest.endswith(closes) else 0

@@ -43,13 +43,11 @@ class SettingLine:
 
     @property
     def is_set(self) -> bool:
-        """Whether it has a value that can be changed, here or at the robot."""
-        return self.kind is LineKind.STEP or (self.kind is LineKind.SETTING and self._by_hand)
-
-    @property
-    def _by_hand(self) -> bool:
-        """Not which robot it is: an arrow key too many would let go of it in mid-session."""
-        return self.setting.verb not in ("", "connect")
+        """Whether it has a value that can be changed, here or at the robot. Which robot it is has
+        none: an arrow key too many would let go of it in mid-session.
+        """
+        by_hand = self.setting.verb not in ("", "connect")
+        return self.kind is LineKind.STEP or (self.kind is LineKind.SETTING and by_hand)
 
     @property
     def is_typed(self) -> bool:
@@ -64,12 +62,6 @@ def lines_of(outline: RobotOutline, verbs: Collection[str]) -> list[SettingLine]
     for setting in outline.settings:
         sections.setdefault(setting.section, []).append(SettingLine(LineKind.SETTING, setting))
     found = [line for lines in sections.values() for line in lines]
-    found += _connection(outline, verbs)
-    return found + [SettingLine(LineKind.STEP, setting) for setting in steps_offered(verbs)]
-
-
-def _connection(outline: RobotOutline, verbs: Collection[str]) -> list[SettingLine]:
-    found: list[SettingLine] = []
     if "connect" in verbs:
         found += [
             SettingLine(LineKind.ROBOT, _link(name, name, "connect", "robot"))
@@ -79,7 +71,7 @@ def _connection(outline: RobotOutline, verbs: Collection[str]) -> list[SettingLi
         found.append(SettingLine(LineKind.ADDRESS, other))
     if "disconnect" in verbs:
         found.append(SettingLine(LineKind.DISCONNECT, _link("", "Disconnect", "disconnect")))
-    return found
+    return found + [SettingLine(LineKind.STEP, setting) for setting in steps_offered(verbs)]
 
 
 def _link(name: str, label: str, verb: str, argument: str = "", hint: str = "") -> Setting:

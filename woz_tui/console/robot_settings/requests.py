@@ -68,21 +68,19 @@ class SettingRequests:
     def change(self, driver: str, line: SettingLine, value: Json) -> None:
         """Ask the robot for a value, now or as soon as it has taken the one before."""
         key = (driver, line.id)
-        self._forget(driver, line)
+        self._refusals.pop(key, None)
+        if line.setting.section == CONNECTION:  # whatever was refused of any
+            self._refusals = {
+                (robot, id_): why
+                for (robot, id_), why in self._refusals.items()
+                if robot != driver or not id_.startswith(CONNECTING)
+            }
         pending = self._pending.get(key)
         if pending is not None and pending.over is None:
             pending.value = value
         else:
             self._pending[key] = PendingSetting(line, value)
             self._send(key)
-
-    def _forget(self, driver: str, line: SettingLine) -> None:
-        """What was refused here; of a connection, whatever was refused of any."""
-        ids = {line.id}
-        if line.setting.section == CONNECTION:
-            ids |= {id_ for name, id_ in self._refusals if id_.startswith(CONNECTING)}
-        for id_ in ids:
-            self._refusals.pop((driver, id_), None)
 
     def awaited(self, driver: str, line: SettingLine) -> Json:
         """The value that was requested and does not show yet; None: there is none."""

@@ -44,17 +44,36 @@ class ListPosition:
 
 def settings_rows(view: RobotView, place: ListPosition, frame: PaintFrame) -> list[Row]:
     """The whole screen: as many rows as the frame is high."""
+    glyphs, lines = frame.glyphs, view.lines
+    which = f" {place.robot + 1} of {place.robots}" if place.robots > 1 else ""
+    state, look = view.state
+    robot: Row = (
+        (f" {clean(view.driver)}", "title"),
+        (f"{which}  ", "muted"),
+        (glyphs.plain(clean(state)), look),
+    )
+    count = f"  {glyphs.warning} {view.count} " if view.count else ""
     above, below = _sentences(frame)
-    listed = _listed(view.lines, place, frame)
+    listed: list[Row] = []
+    for number, line in enumerate(lines):
+        if number == 0 or line.section != lines[number - 1].section:
+            listed.append(((f" {clean(line.section)}", "title"),))
+        listed.append(_line(line, number == place.chosen, place.colours, frame))
     room = list_room(frame)
     shown = listed[place.top : place.top + room]
+    sides = {"above": place.top, "below": len(listed) - place.top - room}
+    told = ", ".join(f"{hidden} {side}" for side, hidden in sides.items() if hidden > 0)
+    words = f" {told} " if told else ""
+    rule = glyphs.rule * max(0, frame.width - len(words) - 1)
+    about = lines[place.chosen].about if place.chosen < len(lines) else ()
+    wrapped = [row for text, look in about for row in _wrapped(clean(text), look, frame)]
     return [
-        _head(view, place, frame),
+        spread(robot, ((count, "warn"),), frame.width, glyphs.ellipsis),
         *_conflicts(view, above, frame),
         *shown,
         *[()] * (room - len(shown)),
-        _rule(place.top, len(listed), room, frame),
-        *_foot(view.lines, place, below, frame),
+        ((rule, "faint"), (words, "muted"), (glyphs.rule, "faint")),
+        *_cut_off(wrapped, below, frame),
     ]
 
 
@@ -85,19 +104,6 @@ def row_of(lines: tuple[LineView, ...], index: int) -> int:
     return index + sections
 
 
-def _head(view: RobotView, place: ListPosition, frame: PaintFrame) -> Row:
-    glyphs = frame.glyphs
-    which = f" {place.robot + 1} of {place.robots}" if place.robots > 1 else ""
-    state, look = view.state
-    left: Row = (
-        (f" {clean(view.driver)}", "title"),
-        (f"{which}  ", "muted"),
-        (glyphs.plain(clean(state)), look),
-    )
-    count = f"  {glyphs.warning} {view.count} " if view.count else ""
-    return spread(left, ((count, "warn"),), frame.width, glyphs.ellipsis)
-
-
 def _conflicts(view: RobotView, rows: int, frame: PaintFrame) -> list[Row]:
     """As many sentences as there is room for, and how many more there are."""
     sign = frame.glyphs.warning
@@ -111,49 +117,24 @@ def _conflicts(view: RobotView, rows: int, frame: PaintFrame) -> list[Row]:
     return _cut_off(_wrapped(" ".join(texts), "warn", frame), rows, frame)
 
 
-def _listed(lines: tuple[LineView, ...], place: ListPosition, frame: PaintFrame) -> list[Row]:
-    found: list[Row] = []
-    for number, line in enumerate(lines):
-        if number == 0 or line.section != lines[number - 1].section:
-            found.append(((f" {clean(line.section)}", "title"),))
-        found.append(_line(line, number == place.chosen, place.colours, frame))
-    return found
-
-
 def _line(line: LineView, chosen: bool, colours: bool, frame: PaintFrame) -> Row:
+    """Its name, its value with the colour to go with it, its signs."""
     glyphs = frame.glyphs
     label, value = (26, 24) if frame.width >= WIDE else (20, 18)
     mark = f" {glyphs.here} " if chosen else "   "
     name = fit(glyphs.plain(line.label), label, glyphs.ellipsis)
-    signs = ((f" {glyphs.plain(clean(text))} ", look) for text, look in line.signs)
-    front: Piece = (mark + name, "fill" if chosen else "plain")
-    return cut((front, *_value(line, value, colours, frame), *signs), frame.width, glyphs.ellipsis)
-
-
-def _value(line: LineView, width: int, colours: bool, frame: PaintFrame) -> Row:
-    look = "stale" if line.stale else "muted" if line.fixed else "strong"
     swatch: Row = ()
     if line.color and colours:
         swatch = (("    ", f"{SWATCH}{line.color}"), (" ", "plain"))
-    room = width - length(swatch)
-    return ((" ", "plain"), *swatch, (fit(line.value, room, frame.glyphs.ellipsis), look))
-
-
-def _rule(top: int, count: int, room: int, frame: PaintFrame) -> Row:
-    """A line over the whole width that says what is above and below."""
-    sides = {"above": top, "below": count - top - room}
-    told = ", ".join(f"{lines} {side}" for side, lines in sides.items() if lines > 0)
-    words = f" {told} " if told else ""
-    rule = frame.glyphs.rule * max(0, frame.width - len(words) - 1)
-    return ((rule, "faint"), (words, "muted"), (frame.glyphs.rule, "faint"))
-
-
-def _foot(
-    lines: tuple[LineView, ...], place: ListPosition, rows: int, frame: PaintFrame
-) -> list[Row]:
-    about = lines[place.chosen].about if place.chosen < len(lines) else ()
-    wrapped = [row for text, look in about for row in _wrapped(clean(text), look, frame)]
-    return _cut_off(wrapped, rows, frame)
+    shown = fit(line.value, value - length(swatch), glyphs.ellipsis)
+    row: Row = (
+        (mark + name, "fill" if chosen else "plain"),
+        (" ", "plain"),
+        *swatch,
+        (shown, "stale" if line.stale else "muted" if line.fixed else "strong"),
+        *((f" {glyphs.plain(clean(text))} ", look) for text, look in line.signs),
+    )
+    return cut(row, frame.width, glyphs.ellipsis)
 
 
 def _wrapped(text: str, look: str, frame: PaintFrame) -> list[Row]:

@@ -45,19 +45,12 @@ def driver_trouble(state: ConsoleState, driver: str) -> str:
     robot = state.session.robots.shown.get(driver)
     if robot is None or is_stale(state, driver):
         return ""
-    return trouble_words(robot, _names(state, driver, robot), _gist(robot))
-
-
-def _gist(robot: SettingsShown) -> str:
-    """What comes before the colon of the first conflict, the gravest: the motors are off."""
-    gist, colon, _ = clean(robot.conflicts[0]).partition(": ") if robot.conflicts else ("", "", "")
-    return gist if colon and cell_len(gist) <= NAMED else ""
-
-
-def _names(state: ConsoleState, driver: str, robot: SettingsShown) -> str:
-    """Labels of the settings that are not as requested; nothing if they take too much room."""
     outline = state.robot_outlines.get(driver)
     labels = {} if outline is None else {line.name: line.label for line in outline.settings}
     told = [clean(labels.get(name, "")) for name in robot.wanted]
     names = ", ".join(label[:1].lower() + label[1:] for label in told)
-    return names if all(told) and cell_len(names) <= NAMED else ""
+    if not all(told) or cell_len(names) > NAMED:
+        names = ""
+    # What comes before the colon of the first conflict, the gravest: the motors are off.
+    gist, colon, _ = clean(robot.conflicts[0]).partition(": ") if robot.conflicts else ("", "", "")
+    return trouble_words(robot, names, gist if colon and cell_len(gist) <= NAMED else "")

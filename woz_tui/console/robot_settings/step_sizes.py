@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
@@ -37,7 +36,7 @@ class ArrowSteps:
         self._told = told
         for setting in STEPS:
             value = told.get(setting.name)
-            if value is not None and _fits(setting, value):
+            if value is not None and setting.low <= value <= setting.high:  # NaN is not
                 self.change(setting.name, value)
 
     def change(self, name: str, value: float) -> None:
@@ -53,10 +52,6 @@ class ArrowSteps:
 def steps_offered(verbs: Collection[str]) -> list[Setting]:
     """The steps of those arrow keys that move something."""
     return [setting for setting in STEPS if setting.verb in verbs]
-
-
-def _fits(setting: Setting, value: float) -> bool:
-    return math.isfinite(value) and setting.low <= value <= setting.high
 
 
 __all__ = ["SECTION", "STEPS", "ArrowSizes", "ArrowSteps", "steps_offered"]

@@ -57,9 +57,13 @@ def next_value(setting: Setting, value: Json, by: int) -> Json:
     if setting.kind == "flag":
         return value is not True
     if setting.kind == "choice" and setting.choices:
-        return _next_choice(setting.choices, value, by)
+        choices = setting.choices
+        if value not in choices:
+            return choices[0 if by > 0 else -1]
+        return choices[(choices.index(str(value)) + by) % len(choices)]
     if setting.kind == "number" and isinstance(value, int | float) and math.isfinite(value):
-        return _limited(setting, value + by * setting.step)
+        moved = round(value + by * setting.step, _decimals(setting.step))
+        return _rounded(setting, float(min(setting.high, max(setting.low, moved))))
     return None
 
 
@@ -97,17 +101,6 @@ def allowed_values(setting: Setting) -> str:
 
 def _range(setting: Setting) -> str:
     return f"{number_text(setting, setting.low)} to {number_text(setting, setting.high)}"
-
-
-def _next_choice(choices: list[str], value: Json, by: int) -> str:
-    if value not in choices:
-        return choices[0 if by > 0 else -1]
-    return choices[(choices.index(str(value)) + by) % len(choices)]
-
-
-def _limited(setting: Setting, value: float) -> Json:
-    value = round(value, _decimals(setting.step))
-    return _rounded(setting, float(min(setting.high, max(setting.low, value))))
 
 
 def _rounded(setting: Setting, value: float) -> Json:

@@ -90,7 +90,11 @@ class SettingViewer:
         stale = is_stale(self._picture, driver)
         lines = tuple(self._line(driver, line, stale) for line in self.lines(driver, outline))
         count = "" if stale else trouble_words(robot)
-        sentences = self._why(driver) if stale else tuple(robot.conflicts)
+        sentences = tuple(robot.conflicts)
+        if stale:  # why it is not there and what to do, whole: the reason of a loss takes a line
+            known = None if self._picture.lost else self._picture.drivers.get(driver)
+            why = () if known is None else (known.detail, remedy_text(known.remedy, self._picture))
+            sentences = tuple(text for text in why if text)
         return RobotView(driver, self._state(driver, now), count, sentences, lines)
 
     def _robot(self, driver: str) -> SettingsShown:
@@ -111,14 +115,6 @@ class SettingViewer:
         why = f": {known.detail}" if known.detail and health == "faulted" else ""
         return f"{self._glyphs.warning} {health}{why}", "warn"
 
-    def _why(self, driver: str) -> tuple[str, ...]:
-        """Why a robot is not there and what to do, whole: the reason of a loss takes a line."""
-        known = self._picture.drivers.get(driver)
-        if self._picture.lost or known is None:
-            return ()
-        remedy = remedy_text(known.remedy, self._picture)
-        return tuple(text for text in (known.detail, remedy) if text)
-
     def _line(self, driver: str, line: SettingLine, stale: bool) -> LineView:
         setting, glyphs = line.setting, self._glyphs
         robot = self._robot(driver)
@@ -127,8 +123,12 @@ class SettingViewer:
         if line.kind is LineKind.STEP:
             value = self._arrows.value(setting.name)
         text = value_text(setting, value, glyphs) if read or line.kind is LineKind.STEP else ""
-        if line.kind is LineKind.ROBOT and self._is_connected(robot, setting.name):
-            text = f"{glyphs.yes} this one"
+        label = setting.label[:1].upper() + setting.label[1:]
+        if line.kind is LineKind.ROBOT:
+            label = setting.label  # an address stays as it is
+            here = robot.values.get("robot")
+            if isinstance(here, str) and bare_address(here) == bare_address(setting.name):
+                text = f"{glyphs.yes} this one"
         wanted = ""
         if read and not stale and setting.name in robot.wanted:
             wanted = value_text(setting, robot.wanted[setting.name], glyphs)
@@ -136,7 +136,7 @@ class SettingViewer:
         signs, sentences = self._trouble(driver, line, text, wanted)
         return LineView(
             setting.section,
-            _label(line),
+            label,
             f"{glyphs.stale} {text}" if old and text not in ("", glyphs.dash) else text,
             color="" if old or setting.kind != "color" else color_of(value),
             stale=stale and read,
@@ -144,10 +144,6 @@ class SettingViewer:
             signs=tuple(signs),
             about=(*sentences, *self._about(line)),
         )
-
-    def _is_connected(self, robot: SettingsShown, address: str) -> bool:
-        here = robot.values.get("robot")
-        return isinstance(here, str) and bare_address(here) == bare_address(address)
 
     def _trouble(
         self, driver: str, line: SettingLine, text: str, wanted: str
@@ -193,12 +189,6 @@ _CONNECTION = {
     LineKind.ADDRESS: "enter asks for the address of any robot",
     LineKind.DISCONNECT: "enter lets go of the robot; it is not looked for any more",
 }
-
-
-def _label(line: SettingLine) -> str:
-    """An address stays as it is; everything else begins with a capital letter."""
-    label = line.setting.label
-    return label if line.kind is LineKind.ROBOT else label[:1].upper() + label[1:]
 
 
 def locked_by(state: ConsoleState, verb: str, driver: str) -> str:

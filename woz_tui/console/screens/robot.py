@@ -68,8 +68,9 @@ class RobotDialog(DrawingDialog):
         app = self.console_app
         if app.state.replay is None:
             self.own_keys |= _FAR - app.keymap.table.keys()
-        else:
-            self._only_look()
+        else:  # nothing can be changed, and the other keys move through the log
+            self.own_keys = frozenset((*_ROBOTS, *_LINES))
+            self.show_hint(_REPLAY_HINT)
         self._line = self._first_line()
         app.give_keys()
 
@@ -78,8 +79,11 @@ class RobotDialog(DrawingDialog):
         """Made when it is first needed: a painting may come before the mounting."""
         key = self.console_app.key_of("robot")
         return SettingRequests(
-            self.state, self.requests.ask, self.requests.refused, key, watched=lambda: self._open
+            self.state, self.requests.ask, self.requests.refused, key, watched=self._is_open
         )
+
+    def _is_open(self) -> bool:
+        return self._open
 
     @cached_property
     def _viewer(self) -> SettingViewer:
@@ -101,11 +105,6 @@ class RobotDialog(DrawingDialog):
         last = self.requests.drafts.get(_LAST)
         found += [number for number, line in enumerate(lines) if line.id == last]
         return next(iter(found), 0)
-
-    def _only_look(self) -> None:
-        """In a replay nothing can be changed, and the other keys move through the log."""
-        self.own_keys = frozenset((*_ROBOTS, *_LINES))
-        self.show_hint(_REPLAY_HINT)
 
     def closing(self) -> None:
         """What is refused from now on is told on the main screen; the line is remembered, but not
@@ -172,16 +171,11 @@ class RobotDialog(DrawingDialog):
 
     def _walk(self, chord: str) -> None:
         last = max(0, len(self._lines()) - 1)
-        page = max(1, self._room() - 2)
+        heights = [cells.size.height for cells in self.query("#drawing")]  # none before drawing
+        rooms = [list_room(PaintFrame(0, height, 0, self.glyphs)) for height in heights]
+        page = max(1, max(rooms, default=1) - 2)
         by = {**_LINES, "pageup": -page, "pagedown": page, "home": -last, "end": last}[chord]
         self._line = min(last, max(0, self._line + by))
-
-    def _room(self) -> int:
-        """Lines that fit; 1 as long as there is nothing to draw in."""
-        heights = [cells.size.height for cells in self.query("#drawing")]
-        return max(
-            (list_room(PaintFrame(0, height, 0, self.glyphs)) for height in heights), default=1
-        )
 
     def _chosen_line(self) -> SettingLine | None:
         """The chosen line, if something may be done there."""

@@ -23,7 +23,7 @@ from woz_tui.console.state.driver_outlines import Outline, outlines_of, robots_o
 from woz_tui.console.state.engagement import EngagementView
 from woz_tui.console.state.event_sentences import EventLine, event_line, explained
 from woz_tui.console.state.replay import ReplayState, updated
-from woz_tui.console.state.running_actions import ActiveRun, RunningActions, RunOutcome
+from woz_tui.console.state.running_actions import RunningActions, RunOutcome
 from woz_tui.console.state.stop_confirmation import short_names
 from woz_tui.console.state.study import StudyView
 from woz_tui.console.state.view_models import (
@@ -75,6 +75,10 @@ _LINGER = {"done": DONE_US, "sent": DONE_US, "refused": REFUSED_US} | dict.fromk
 )
 
 
+def _no_events() -> deque[EventLine]:
+    return deque(maxlen=EVENTS)
+
+
 @dataclass(slots=True)
 class ConsoleState:
     """Everything the console knows. Fields are for reading; `apply` changes them."""
@@ -101,7 +105,7 @@ class ConsoleState:
     runs: RunningActions = field(init=False)
     #: How the last commands ended, by command.
     ends: dict[str, m.End] = field(default_factory=dict)
-    events: deque[EventLine] = field(default_factory=lambda: deque(maxlen=EVENTS))
+    events: deque[EventLine] = field(default_factory=_no_events)
     #: The last act of the wizard or of a program; once it is done, what is likely to follow.
     act: str = ""
     _then: tuple[str, ...] = ()
@@ -181,20 +185,18 @@ class ConsoleState:
     @property
     def drivers(self) -> dict[str, DriverView]:
         """Those of the robot file, and whoever else was heard of."""
-        names = dict.fromkeys((*self.plan.drivers, *self.session.drivers))
-        return {name: self._driver(name) for name in names}
+        views = {name: DriverView(name) for name in self.plan.drivers}
+        for name, driver in self.session.drivers.items():
+            health = driver.health
+            views[name] = DriverView(
+                name, driver.state, health.detail, health.remedy, driver.since.t
+            )
+        return views
 
     @property
     def short_names(self) -> dict[str, str]:
         """Driver -> what the screen calls it where room is short."""
         return short_names(self.drivers)
-
-    def _driver(self, name: str) -> DriverView:
-        driver = self.session.drivers.get(name)
-        if driver is None:
-            return DriverView(name)
-        health = driver.health
-        return DriverView(name, driver.state, health.detail, health.remedy, driver.since.t)
 
     @property
     def sensors(self) -> list[str]:
@@ -224,28 +226,26 @@ class ConsoleState:
         if behind < 0 or behind > STALE_US:
             self._t, self._local = t, local_us
 
-    def _pulse(self, pulse: r.Pulse, local_us: int) -> None:
-        if pulse.rate != self.rate:
-            self._t, self._local, self.rate = pulse.t, local_us, pulse.rate
-        self._tie_clocks(pulse.t, local_us)
-
     # -- reducing ---------------------------------------------------------------------------
 
     def apply(self, batch: Iterable[Incoming], local_us: int) -> None:
         """Work a batch in, oldest first; `local_us` is the local clock's time of arrival."""
         for message in batch:
-            if isinstance(message, r.Welcome):
-                self._welcome(message, local_us)
-            elif isinstance(message, r.PanelsChanged):
-                self._panels(message)
-            elif isinstance(message, r.Pulse):
-                self._pulse(message, local_us)
-            elif isinstance(message, r.Replaying):
-                self.replay = updated(self.replay, message)
-            elif isinstance(message, m.Message):
-                if message.t >= 0 and not isinstance(message, m.Reading):
-                    self._tie_clocks(message.t, local_us)
-                self._message(message, tell=True)
+            match message:
+                case r.Welcome():
+                    self._welcome(message, local_us)
+                case r.PanelsChanged():
+                    self._panels(message)
+                case r.Pulse(t=t, rate=rate):
+                    if rate != self.rate:
+                        self._t, self._local, self.rate = t, local_us, rate
+                    self._tie_clocks(t, local_us)
+                case r.Replaying():
+                    self.replay = updated(self.replay, message)
+                case m.Message():
+                    if message.t >= 0 and not isinstance(message, m.Reading):
+                        self._tie_clocks(message.t, local_us)
+                    self._message(message, tell=True)
 
     def lose(self, loss: Loss) -> None:
         """The connection to the robot process is gone."""
@@ -292,16 +292,17 @@ class ConsoleState:
     def _go_by(
         self,
         lines: Iterable[m.Message],
-        see: Callable[[m.Message], m.Message | None] = lambda message: message,
+        see: Callable[[m.Message], m.Message | None] | None = None,
     ) -> None:
-        """Begin anew with what `lines` say that holds; which steps of an action are over, they do
-        not say.
+        """Begin anew with what `lines` say that holds, each as `see` gives it; which steps of an
+        action are over, they do not say.
         """
         session, fresh = self.session, SessionState()
         if session.plan is not None:
             fresh.apply(session.plan)
         for line in lines:
-            if not isinstance(line, m.SessionPlan) and (seen := see(line)) is not None:
+            seen = line if see is None else see(line)
+            if seen is not None and not isinstance(line, m.SessionPlan):
                 fresh.apply(seen)
         fresh.t, fresh.actions, fresh.commands = session.t, session.actions, session.commands
         session.become(fresh)
@@ -403,18 +404,13 @@ class ConsoleState:
                 )
         if tell:
             self._add_event(message, outcome, lost)
-        if isinstance(message, m.Command):
-            self._put_said(message)
-
-    def _put_said(self, command: m.Command) -> None:
-        """Put what is said behind the event that began it."""
-        run = command.run or command.command
-        for event in reversed(self.events):
-            if event.run == run:
-                if command.run:
-                    event.say(spoken_text(command))
-                event.untimed = event.untimed or self._untold(command)
-                return
+        if isinstance(message, m.Command):  # what is said stands behind the event that began it
+            run = message.run or message.command
+            begun = next((event for event in reversed(self.events) if event.run == run), None)
+            if begun is not None:
+                if message.run:
+                    begun.say(spoken_text(message))
+                begun.untimed = begun.untimed or self._untold(message)
 
     def _follow_up(self, message: m.Message) -> None:
         """What an action brings within reach, from its end to the next act."""
@@ -648,7 +644,12 @@ class ConsoleState:
         """How an action stands at `now`."""
         current = self.runs.of(action.name)
         if current is not None:
-            return _under_way(current, now, timed=not self.untimed(action.name))
+            if (held := current.held_for(now)) is not None:
+                return ButtonView(ButtonState.HELD, *held)
+            timing = (None, None) if self.untimed(action.name) else current.timing(now)
+            return ButtonView(
+                ButtonState.RUNNING if current.running else ButtonState.QUEUED, *timing
+            )
         outcome = self.runs.outcomes.get(action.name)
         if outcome is not None and now - outcome.t <= _LINGER.get(outcome.how, 0):
             return ButtonView(ButtonState(outcome.how), note=outcome.reason)
@@ -670,15 +671,14 @@ class ConsoleState:
         """
         for verb in action.verbs:
             drivers = [name for name, verbs in self.verbs.items() if verb in verbs]
-            lost = [name for name in drivers if not self._can(name, verb)]
+            lost = []
+            for name in drivers:
+                told = self.session.unable.get(name)
+                if self.health(name) == "lost" or (told is not None and verb in told.unable):
+                    lost.append(name)
             if lost and len(lost) == len(drivers):
                 return lost[0]
         return ""
-
-    def _can(self, driver: str, verb: str) -> bool:
-        """Whether a driver's hardware can carry a verb out now, as far as it says."""
-        told = self.session.unable.get(driver)
-        return self.health(driver) != "lost" and (told is None or verb not in told.unable)
 
     def health(self, driver: str) -> str:
         """A driver's health, `unknown` if it was never heard of."""
@@ -698,14 +698,6 @@ class _Button:
     panel: str
     locked: bool
     calls: Sequence[GatedCall] = ()
-
-
-def _under_way(run: ActiveRun, now: int, *, timed: bool) -> ButtonView:
-    """How an action stands that has been played and is not over."""
-    if (held := run.held_for(now)) is not None:
-        return ButtonView(ButtonState.HELD, *held)
-    left_us, share = run.timing(now) if timed else (None, None)
-    return ButtonView(ButtonState.RUNNING if run.running else ButtonState.QUEUED, left_us, share)
 
 
 def _decoded(lines: Iterable[msgspec.Raw]) -> list[m.Message]:

@@ -170,7 +170,8 @@ class EventLine:
             self.detail = ": ".join(filter(None, (self.asker, outcome.reason)))
 
 
-#: Messages whose line needs nothing but their fields: mark, text, detail.
+#: Messages whose line needs nothing but their fields: mark, text, detail. `whose`: their driver as
+#: the screen calls it; `who`: the other console that asked.
 _TEMPLATES: Mapping[type[m.Message], tuple[str, str, str]] = {
     m.SessionEnd: ("info", "Session ended", "{0.reason}"),
     m.DriverConnecting: ("driver", "{whose} connecting", "{0.detail}"),
@@ -180,6 +181,8 @@ _TEMPLATES: Mapping[type[m.Message], tuple[str, str, str]] = {
     m.LaneFaulted: ("error", "{whose}: {0.lane} hangs", "until its job ends"),
     m.LaneRecovered: ("done", "{whose}: {0.lane} works again", ""),
     m.ModeChanged: ("info", "{whose} mode {0.now}", "{0.why}"),
+    m.RecordWaived: ("warning", "Going on without a record", "{who}"),
+    m.Note: ("note", "{0.text}", "{who}"),
 }
 
 
@@ -188,42 +191,41 @@ def event_line(message: m.Message, shown: EventContext) -> EventLine | None:
     if (template := _TEMPLATES.get(type(message))) is not None:
         mark, text, detail = template
         driver = str(getattr(message, "driver", ""))
-        whose = shown.short_names.get(driver, driver)
+        names = {
+            "whose": shown.short_names.get(driver, driver),
+            "who": other_console(str(getattr(message, "console", "")), shown),
+        }
         event: EventLine | None = EventLine(
-            mark, text.format(message, whose=whose), detail.format(message)
+            mark, text.format(message, **names), detail.format(message, **names)
         )
     else:
         event = _sentences().get(type(message), _of_study)(message, shown)
     if event is not None:
         event.t = message.t
-        event.machine = type(message) in _OF_MACHINES or _by_robot(message)
+        # What the robot does by itself, as an effect of the engagement model, is no act, either.
+        by_robot = (
+            isinstance(message, m.ActionRequested | m.Command) and message.source == ENGAGEMENT
+        )
+        event.machine = by_robot or type(message) in _OF_MACHINES
     return event
-
-
-def _by_robot(message: m.Message) -> bool:
-    """Whether the robot does it by itself, as an effect of the engagement model."""
-    return isinstance(message, m.ActionRequested | m.Command) and message.source == ENGAGEMENT
 
 
 def _requested(message: m.ActionRequested, shown: EventContext) -> EventLine | None:
     if _is_effect(message.action, shown):
         return None  # the state's own line tells of it
     without = f"without {', '.join(message.without)}" if message.without else ""
-    source = ", ".join(filter(None, (_asker(message, shown), without)))
+    asker = other_console(message.console, shown)
+    source = asker or _SOURCES.get(message.source, "")
     action = shown.action(message.action)
     return EventLine(
         "running",
         shown.label(message.action),
-        source,
+        ", ".join(filter(None, (source, without))),
         run=message.run,
-        asker=other_console(message.console, shown),
+        asker=asker,
         action=message.action,
         stepping=action is not None and bool(action.verbs) and _STEPPING.issuperset(action.verbs),
     )
-
-
-def _asker(message: m.ActionRequested, shown: EventContext) -> str:
-    return other_console(message.console, shown) or _SOURCES.get(message.source, "")
 
 
 def other_console(console: str, shown: EventContext) -> str:
@@ -293,10 +295,6 @@ def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None
     if message.detail:
         return EventLine(mark, f"Log: {message.detail}", message.remedy)
     return EventLine(mark, "Log falls behind", f"{message.lag_us / 1000:.0f} ms")
-
-
-def _waived(message: m.RecordWaived, shown: EventContext) -> EventLine:
-    return EventLine("warning", "Going on without a record", other_console(message.console, shown))
 
 
 def _notice(message: m.Notice, shown: EventContext) -> EventLine:
@@ -423,10 +421,6 @@ def _marker(message: m.Marker, shown: EventContext) -> EventLine:
     return EventLine("marker", f"Code of {name}" if coder else "Marker", detail)
 
 
-def _note(message: m.Note, shown: EventContext) -> EventLine:
-    return EventLine("note", message.text, other_console(message.console, shown))
-
-
 def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
     marked = shown.event_of(message.run)
     if marked is None:
@@ -500,7 +494,6 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.SessionChanged: _session,
     m.ParticipantWithdrawn: _withdrawn,
     m.RecorderState: _recorder,
-    m.RecordWaived: _waived,
     m.Notice: _notice,
     m.StopPressed: _stop,
     m.StopReleased: _released,
@@ -512,7 +505,6 @@ SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]
     m.VisitorChanged: _visitor,
     m.AddressedChanged: _addressed,
     m.Marker: _marker,
-    m.Note: _note,
     m.Mistake: _mistake,
     m.PanelLocked: _lock,
     m.ExperimentReloaded: _reloaded,

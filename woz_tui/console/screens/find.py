@@ -121,14 +121,7 @@ class FindDialog(SearchDialog[SearchItem]):
     @cached_property
     def _all(self) -> list[SearchItem]:
         """All there is, in the file's order."""
-        found = [
-            *self._actions(),
-            *self._of_features(),
-            *self._locks(),
-            *self._orders(),
-            *self._robots(),
-        ]
-        return [*found, *self._commands()]
+        return [*self._actions(), *self._beside_actions(), *self._commands()]
 
     @cached_property
     def _label(self) -> int:
@@ -160,40 +153,34 @@ class FindDialog(SearchDialog[SearchItem]):
                 acts=True,
             )
 
-    def _of_features(self) -> Iterable[SearchItem]:
+    def _beside_actions(self) -> Iterable[SearchItem]:
+        """What features find; locks of panels; what the hand may do to the engagement model, in a
+        session that has one; what a robot can do that needs no button.
+        """
+        ask = self.requests.ask
         for feature, each in pieces("console", FeatureConsole).items():
             finds = each.finds
             for found in answers_of(feature, finds, self.state) if finds is not None else ():
-                do = functools.partial(self.requests.ask, found.request)
+                do = functools.partial(ask, found.request)
                 yield SearchItem(found.name, "", found.what, do, found.name)
-
-    def _locks(self) -> Iterable[SearchItem]:
         for panel in self.state.panels:
             locked = self.state.is_locked(panel)
-            word = "Unlock" if locked else "Lock"
-            request = AskLock(panel=panel.title, locked=not locked)
-            name = f"{word} {panel.title}"
+            name = f"{'Unlock' if locked else 'Lock'} {panel.title}"
             asks = "" if locked else f"{name}? Its keys then play nothing."
-            do = functools.partial(self.requests.ask, request)
+            do = functools.partial(ask, AskLock(panel=panel.title, locked=not locked))
             yield SearchItem(name, "", "panel", do, name, asks=asks)
-
-    def _orders(self) -> Iterable[SearchItem]:
-        """What the hand may do to the engagement model, in a session that has one."""
         if is_offered(self.state.engaged, self.state.verbs):
             for order in OVERRIDES:
-                do = functools.partial(steer, self.console_app, order)
+                steers = functools.partial(steer, self.console_app, order)
                 asks = f"{order.text}?" if order.id == "off" else ""
-                yield SearchItem(order.text, "", "engagement", do, order.text, asks=asks)
-
-    def _robots(self) -> Iterable[SearchItem]:
-        """What a robot can do that needs no button."""
+                yield SearchItem(order.text, "", "engagement", steers, order.text, asks=asks)
         key = self.console_app.key_of("find")
-        for driver, order in offered_calls(self.state):
-            args = dict(order.args)
-            request = AskVerb(verb=order.verb, args=args, on=driver, source="key", key=key)
-            do = functools.partial(self.requests.ask, request)
-            asks = f"{order.text}?" if order.args.get("on") is False else ""
-            yield SearchItem(order.text, "", driver, do, f"{order.text} {order.verb}", asks=asks)
+        for driver, call in offered_calls(self.state):
+            args = dict(call.args)
+            request = AskVerb(verb=call.verb, args=args, on=driver, source="key", key=key)
+            asks = f"{call.text}?" if call.args.get("on") is False else ""
+            do = functools.partial(ask, request)
+            yield SearchItem(call.text, "", driver, do, f"{call.text} {call.verb}", asks=asks)
 
     def _commands(self) -> Iterable[SearchItem]:
         app = self.console_app
@@ -221,17 +208,15 @@ class FindDialog(SearchDialog[SearchItem]):
         ellipsis = self.glyphs.ellipsis
         where = clean(item.where)
         label = self._label if item.acts else LABEL
-        room = max(1, self._width() - KEY - label - 2)
+        # Inside the frame, as wide as the theme says, and beside a scrollbar.
+        width = min(self.app.size.width * 9 // 10, 100) - 6
+        room = max(1, width - KEY - label - 2)
         return Content.assemble(
             fit(item.key, KEY, ellipsis),
             fit(item.name, label, ellipsis),
             "  ",
             (fit(where, min(room, cell_len(where)), ellipsis), "$woz-muted"),
         )
-
-    def _width(self) -> int:
-        """Cells inside the frame and beside a scrollbar; the frame is as wide as the theme says."""
-        return min(self.app.size.width * 9 // 10, 100) - 6
 
     def chose(self, item: SearchItem | None, typed: str) -> None:
         """Play it, or ask first."""

@@ -70,30 +70,25 @@ class LeaveDialog(ChoiceDialog):
     def choices(self) -> Sequence[ListChoice]:
         """Stay, leave it running, end it; then what is open."""
         stay = ListChoice(Content("Stay"))
-        leave = ListChoice(
-            Content(f"Leave the session running (woz attach brings you back){self._ends()}"),
-            lambda: self.console_app.exit("detached"),
-        )
+        leaves = "Leave the session running (woz attach brings you back)"
+        if after := self.state.settings.abandon_after:
+            ends = f"it ends by itself after {lasting(after)} without a console"
+            leaves = f"{leaves}\n  {ends} (abandon_after)"
+        leave = ListChoice(Content(leaves), self._detach)
         self._questions = self._open_questions()
         if self.state.role == "watcher":
             return [stay, leave]
         end = ListChoice(
             Content("End the session: the robot rests, the log is finished"), self._end
         )
-        return [
-            *(stay, leave, end),
-            *(
-                ListChoice(self._question_line(each), partial(self._answer, each), stays=True)
-                for each in self._questions
-            ),
-        ]
+        found = [stay, leave, end]
+        for each in self._questions:
+            line = plain(f"  {self.glyphs.middle} {each.sentences[each.answer]}")
+            found.append(ListChoice(line, partial(self._answer, each), stays=True))
+        return found
 
-    def _ends(self) -> str:
-        """What becomes of a session that is left running."""
-        after = self.state.settings.abandon_after
-        if not after:
-            return ""
-        return f"\n  it ends by itself after {lasting(after)} without a console (abandon_after)"
+    def _detach(self) -> None:
+        self.console_app.exit("detached")
 
     # -- what is open ---------------------------------------------------------------------------
 
@@ -148,9 +143,6 @@ class LeaveDialog(ChoiceDialog):
         begin = study.trial.begin if study.trial is not None else 0
         return f"{_DRAFT}{key} {study.participant} {begin}"
 
-    def _question_line(self, question: OpenQuestion) -> Content:
-        return plain(f"  {self.glyphs.middle} {question.sentences[question.answer]}")
-
     def _answer(self, question: OpenQuestion) -> None:
         """What is open takes its next answer, with which other things may be open."""
         self.requests.drafts[self._draft(question.key)] = str(question.answer + 1)
@@ -194,24 +186,19 @@ class LeaveDialog(ChoiceDialog):
     def _go_on(self, answers: Mapping[str, int]) -> None:
         for chosen in self._chosen(answers):
             if chosen.request is not None and not chosen.ends_trial:
-                self._see_to(chosen)
+                # Seen to before the end, which is asked again behind it where that is here.
+                self.requests.ask(chosen.request, partial(self._seen_to, chosen))
                 return
         if answers.get(_TYPED):
             self.requests.ask(AskKeepTyped(), self._kept)
         else:
             self.requests.end_session()
 
-    def _see_to(self, chosen: EndAnswer) -> None:
-        """Before the end, and ask again behind it where that is at this console."""
-
-        def answered(reply: Reply) -> None:
-            self.requests.refused(reply)
-            if reply.ok and chosen.opens:
-                self.requests.leaving = True
-                self.console_app.open_dialog(resolve_name(chosen.opens)())
-
-        if chosen.request is not None:
-            self.requests.ask(chosen.request, answered)
+    def _seen_to(self, chosen: EndAnswer, reply: Reply) -> None:
+        self.requests.refused(reply)
+        if reply.ok and chosen.opens:
+            self.requests.leaving = True
+            self.console_app.open_dialog(resolve_name(chosen.opens)())
 
     def _kept(self, reply: Reply) -> None:
         """The copy is written, or not: then the session goes on, and says why."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from woz_tui.console.bodies.midi_panel import PanelState, panel_rows
 from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.drawing.number_text import age
 from woz_tui.console.screens.drawing import DrawingDialog
-from woz_tui.console.state.driver_outlines import PanelOutline, panel_outlines
+from woz_tui.console.state.driver_outlines import panel_outlines
 from woz_tui.protocol.messages import ControlsMoved
 
 
@@ -30,16 +32,13 @@ class KnobsDialog(DrawingDialog):
             (clean(outline.driver), "title"),
             (f"  {clean(outline.name)}", "muted"),
         )
-        inner = PaintFrame(frame.width, frame.height - 1, frame.now, frame.glyphs)
-        return [title, *panel_rows(PanelState(outline, knobs, self._old(outline, frame)), inner)]
-
-    def _old(self, outline: PanelOutline, frame: PaintFrame) -> str:
-        driver = self.state.drivers.get(outline.driver)
+        driver, old = self.state.drivers.get(outline.driver), ""
         if self.state.lost:
-            return self.state.lost.part.sentence
-        if driver is None or driver.health != "lost":
-            return ""
-        return f"lost {age(frame.now - driver.t)} ago"
+            old = self.state.lost.part.sentence
+        elif driver is not None and driver.health == "lost":
+            old = f"lost {age(frame.now - driver.t)} ago"
+        inner = replace(frame, height=frame.height - 1)
+        return [title, *panel_rows(PanelState(outline, knobs, old), inner)]
 
     def nothing(self) -> str:
         """What stands there in a session without a panel."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from textual.content import Content
@@ -109,5 +110,5 @@ class EndedDialog(ChoiceDialog):
 
 
 def _leaving(dialog: ChoiceDialog, how: str) -> list[ListChoice]:
-    leave = ListChoice(Content("Leave the console"), lambda: dialog.console_app.exit(how))
+    leave = ListChoice(Content("Leave the console"), partial(dialog.console_app.exit, how))
     return [ListChoice(Content("Stay and read the screen")), leave]

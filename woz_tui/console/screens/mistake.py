@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 from woz_tui.console.drawing.cells import Row, fit
@@ -37,17 +37,15 @@ class MistakeDialog(ChoiceDialog):
 
     def choices(self) -> Sequence[ListChoice]:
         """When, what, and whether it is labelled already; choosing labels it."""
-        return [
-            ListChoice(content([self._row(event)]), self._label(event)) for event in self._events()
-        ]
-
-    def _row(self, event: EventLine) -> Row:
-        what = f"{event.text} {quotation(event.utterance, self.glyphs)}"
-        return (
-            (f"{elapsed(event.t):>7}  ", "muted"),
-            (fit(what, 40, self.glyphs.ellipsis), "plain"),
-            (f"  {'mistake' if event.mistake else _STANDS.get(event.mark, event.mark)}", "muted"),
-        )
-
-    def _label(self, event: EventLine) -> Callable[[], None]:
-        return partial(self.requests.ask, AskMistake(run=event.run))
+        found = []
+        for event in self._events():
+            what = f"{event.text} {quotation(event.utterance, self.glyphs)}"
+            stands = "mistake" if event.mistake else _STANDS.get(event.mark, event.mark)
+            row: Row = (
+                (f"{elapsed(event.t):>7}  ", "muted"),
+                (fit(what, 40, self.glyphs.ellipsis), "plain"),
+                (f"  {stands}", "muted"),
+            )
+            labels = partial(self.requests.ask, AskMistake(run=event.run))
+            found.append(ListChoice(content([row]), labels))
+        return found

@@ -55,13 +55,13 @@ class PeekDialog(LiveReportDialog):
         """The action of the key pressed last; before, what comes next."""
         action = self._action or ("" if self._typed else upcoming(self.state))
         if action:
-            return self._of(action)
+            return self._action_rows(action)
         if self._typed:
             key = key_name(self._typed, self.glyphs)
             return [((key, "key"), (f" {self.glyphs.ellipsis} waits for its second key", "muted"))]
         return [(("Press the key of an action.", "muted"),)]
 
-    def _of(self, name: str) -> list[Row]:
+    def _action_rows(self, name: str) -> list[Row]:
         app, state, glyphs = self.console_app, self.state, self.glyphs
         panel = next(
             (each for each in state.panels if any(a.name == name for a in each.actions)), None
@@ -105,8 +105,10 @@ class PeekDialog(LiveReportDialog):
         now = app.clock.now_us()
         held, self._came_us = now - self._came_us < HELD_US, now
         if self._action:
-            if not held:
-                self._act(chord)
+            if not held:  # pressed once more: now it counts
+                self.leave()
+                if not app.keyboard.press(chord):
+                    app.do(app.keymap.builtin_table[chord])
             return
         keys = app.keymap
         both = f"{self._typed} {chord}"
@@ -121,10 +123,3 @@ class PeekDialog(LiveReportDialog):
             app.give_keys()
             self.show_hint("any key closes this and does what it always does")
         self.refreshed()
-
-    def _act(self, chord: str) -> None:
-        """The key that is shown was pressed once more: now it counts."""
-        app = self.console_app
-        self.leave()
-        if not app.keyboard.press(chord):
-            app.do(app.keymap.builtin_table[chord])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.drawing.key_caps import key_name
 from woz_tui.console.drawing.number_text import seconds
@@ -28,21 +26,19 @@ class QueueDialog(LiveReportDialog):
             lanes.setdefault(self._lane(command), []).append(command)
         rows: list[Row] = []
         for lane, waiting in lanes.items():
-            rows += [((lane, "title"),), *self._at_work(lane), *map(self._waits, waiting), ()]
+            rows.append(((lane, "title"),))
+            for command in self.state.session.commands.values():
+                if command.started is not None and self._lane(command) == lane:
+                    rows.append(((f"{'runs':>10}  ", "run"), (self._what(command), "run")))
+            for command in waiting:
+                waited = seconds(self.now - command.begin)
+                rows.append(((f"{waited:>10}  ", "wait"), (self._what(command), "plain")))
+            rows.append(())
         if not rows:
             return [(("Nothing is queued.", "muted"),)]
         key = key_name(self.console_app.key_of("queue_empty"), self.glyphs)
         empties: Row = ((key, "strong"), (" empties the queue; what runs goes on", "muted"))
         return [*rows, empties] if key else rows
-
-    def _at_work(self, lane: str) -> Iterable[Row]:
-        for command in self.state.session.commands.values():
-            if command.started is not None and self._lane(command) == lane:
-                yield ((f"{'runs':>10}  ", "run"), (self._what(command), "run"))
-
-    def _waits(self, command: CommandEpisode) -> Row:
-        waited = seconds(self.now - command.begin)
-        return ((f"{waited:>10}  ", "wait"), (self._what(command), "plain"))
 
     def _lane(self, command: CommandEpisode) -> str:
         request = command.request

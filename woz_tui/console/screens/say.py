@@ -105,7 +105,11 @@ class SayDialog(CompletionDialog):
         entry = self.entry
         begun, offered = self._offers(entry.value, entry.cursor_position)
         if begun is None:
-            self._show_utterances(entry.value)
+            folded = entry.value.casefold().strip()
+            matches = [text for text in self._utterances if folded in text.casefold()][:MATCHES]
+            self._show(
+                [((f"  {clean(text)}", "muted"),) for text in matches if text != entry.value]
+            )
             return
         shown = offered[:TAGS]
         wide = max((cell_len(clean(offer.text)) for offer in shown), default=0)
@@ -116,11 +120,6 @@ class SayDialog(CompletionDialog):
         if len(offered) > TAGS:
             rows.append(((f"  {self.glyphs.ellipsis} {len(offered) - TAGS} more", "muted"),))
         self._show(rows or [(("  not a tag of this robot", "muted"),)])
-
-    def _show_utterances(self, typed: str) -> None:
-        folded = typed.casefold().strip()
-        matches = [text for text in self._utterances if folded in text.casefold()][:MATCHES]
-        self._show([((f"  {clean(text)}", "muted"),) for text in matches if text != typed])
 
     def _show(self, rows: list[Row]) -> None:
         matches_widget = self.query_one("#matches", Static)

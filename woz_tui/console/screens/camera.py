@@ -84,21 +84,16 @@ class CameraDialog(Dialog):
 
     # -- its place ---------------------------------------------------------------------------
 
-    def _room(self) -> CellArea:
-        """Cells for a picture, in the size that is chosen."""
-        width, height = self.app.size
+    def _lay_out(self) -> None:
+        """Frame and picture in their size; nothing happens where it is the same as before."""
+        width, height = size = self.app.size
         terminal = self.console_app.picture_terminal
         cell = (terminal.cell if terminal is not None else None) or CELL
         share = _SIZES[self._step]
         columns = (width - _FRAME[0]) * share
         rows = (height - _FRAME[1] - _WORDS - _BAR) * share
         within = CellArea(max(1, int(columns)), max(1, int(rows)), cell)
-        return area_for(*self._shape, within)
-
-    def _lay_out(self) -> None:
-        """Frame and picture in their size; nothing happens where it is the same as before."""
-        room = self._room()
-        width, _ = size = self.app.size
+        room = area_for(*self._shape, within)
         if self._laid == (room, size):
             return
         self._laid = (room, size)
@@ -174,16 +169,11 @@ class CameraDialog(Dialog):
         if age > STALE_S:
             why = f" {self.glyphs.middle} {trouble}" if trouble else ""
             return (*name, (f"stale {age:.1f} s{why}", "stale"))
-        told = f"{age:.1f} s old {self.glyphs.middle} {watching.rate:.1f}/s"
-        words = f"{self._number(watching)}{told} {self.glyphs.middle} {view.word}"
-        return (*name, (words, "muted"))
-
-    def _number(self, watching: PictureRequester) -> str:
-        """Which of several cameras it is."""
-        count = len(watching.cameras)
-        if count < 2 or watching.camera not in watching.cameras:
-            return ""
-        return f"{watching.cameras.index(watching.camera) + 1}/{count} {self.glyphs.middle} "
+        words = [f"{age:.1f} s old", f"{watching.rate:.1f}/s", view.word]
+        cameras = watching.cameras
+        if len(cameras) > 1 and watching.camera in cameras:
+            words.insert(0, f"{cameras.index(watching.camera) + 1}/{len(cameras)}")
+        return (*name, (f" {self.glyphs.middle} ".join(words), "muted"))
 
     def _trouble(self, watching: PictureRequester) -> str:
         """Why there are no pictures, as far as anybody knows."""

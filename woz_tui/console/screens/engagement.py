@@ -53,19 +53,15 @@ class EngagementDialog(DrawingDialog):
         shown = self.state.session.model.shown
         if shown is None:
             return []
-        covered, glyphs = self._covered(), frame.glyphs
+        table, glyphs = self.console_app.keymap.table, frame.glyphs
+        # The hand's keys that play an action of this experiment, with the action's label.
+        covered = {key: self.state.label(table[key]) for key in BY_KEY if key in table}
         legend = legend_rows(self.state.engaged, covered, frame.width, glyphs, steers=self._steers)
         if self.state.replay is not None:
             legend = []
         inner = replace(frame, height=max(1, frame.height - len(legend)))
         rows = full_rows(self.state, shown, inner)
         return [*rows, *[()] * (inner.height - len(rows)), *legend]
-
-    def _covered(self) -> dict[str, str]:
-        """The hand's keys that play an action of this experiment, with the action's label."""
-        table = self.console_app.keymap.table
-        found = {key: table[key] for key in BY_KEY if key in table}
-        return {key: self.state.label(name) for key, name in found.items()}
 
     def nothing(self) -> str:
         """What stands there in a session without a model."""
@@ -85,14 +81,11 @@ class EngagementDialog(DrawingDialog):
         event.stop()
         if chord in _TAKE:
             if self.count() and self.state.replay is None:
-                self._take_in_hand(not self._steers)
+                self._steers = not self._steers
+                self.own_keys = _TAKE | KEYS if self._steers else _TAKE
+                self.console_app.give_keys()
+                self.show_hint(_HINTS[self._steers])
+                self.query(".dialog").set_class(self._steers, "-steers")
+                self.refreshed()
         elif self._steers and chord in BY_KEY:
             steer(self.console_app, BY_KEY[chord], chord)
-
-    def _take_in_hand(self, steers: bool) -> None:
-        self._steers = steers
-        self.own_keys = _TAKE | KEYS if steers else _TAKE
-        self.console_app.give_keys()
-        self.show_hint(_HINTS[steers])
-        self.query(".dialog").set_class(steers, "-steers")
-        self.refreshed()

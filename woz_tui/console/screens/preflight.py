@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import os
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import ClassVar
 
 import msgspec
@@ -27,7 +27,6 @@ from woz_tui.console.state.remedy_text import remedy_text
 from woz_tui.console.widgets.status_rows import SLOW_LINE_US
 from woz_tui.drivers.contract import Finding
 from woz_tui.machine.terminal_check import environment, multiplexers
-from woz_tui.protocol.messages import EngagementShown
 from woz_tui.protocol.requests import AskCheck, AskPreflight, Reply
 
 _LOOKS = {"ok": "good", "info": "muted", "warning": "warn", "error": "bad"}
@@ -67,22 +66,19 @@ def sign_findings(state: ConsoleState) -> list[Finding]:
         return []
     wanted = [name for name in signs_of(shown) if name in shown.uses]
     missing = [name for name in wanted if has_no_sensor(shown.signs[name])]
-    if not missing:
-        return [Finding("ok", "engagement", _givers(shown, wanted))]
+    if not missing:  # `presence, gaze are sensed, distance is given by hand`
+        by_hand = [name for name in wanted if shown.signs[name].forced]
+        sensed = [name for name in wanted if name not in by_hand]
+        told = [
+            f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} {how}"
+            for names, how in ((sensed, "sensed"), (by_hand, "given by hand"))
+            if names
+        ]
+        return [Finding("ok", "engagement", ", ".join(told))]
     return [
         Finding("warning", "engagement", f"no sensor gives {name} yet", "give it by hand, or wait")
         for name in missing
     ]
-
-
-def _givers(shown: EngagementShown, names: Sequence[str]) -> str:
-    """`presence, gaze are sensed, distance is given by hand`."""
-    by_hand = [name for name in names if shown.signs[name].forced]
-    sensed = [name for name in names if name not in by_hand]
-    told = ((sensed, "sensed"), (by_hand, "given by hand"))
-    return ", ".join(
-        f"{', '.join(some)} {'is' if len(some) == 1 else 'are'} {how}" for some, how in told if some
-    )
 
 
 def line_finding(round_trip_us: int | None) -> Finding:

@@ -132,7 +132,9 @@ class StartDialog(FormDialog):
         """Fields filled in with what holds now."""
         state, study = self.state, self.state.session.study
         yield Static("Code of the participant (never a name)", classes="caption")
-        yield Input(clean(self._present()), placeholder=clean(self._pattern()), id="participant")
+        code = example(state.settings.participant_pattern or PATTERN)
+        pattern = clean(f"e.g. {code}") if code else ""
+        yield Input(clean(self._present()), placeholder=pattern, id="participant")
         for name, form in _forms().items():
             for field in answers_of(name, form.fields, state, self._present()):
                 with Horizontal(classes="field"):
@@ -181,10 +183,6 @@ class StartDialog(FormDialog):
     def _present(self) -> str:
         """Who takes part; nobody yet: whoever did before the robot process was lost."""
         return self.state.session.study.participant or self.state.before
-
-    def _pattern(self) -> str:
-        found = example(self.state.settings.participant_pattern or PATTERN)
-        return f"e.g. {found}" if found else ""
 
     # -- what is written ------------------------------------------------------------------------
 

@@ -113,11 +113,9 @@ class OrderDialog(StartDialog):
             field.display = several
         for field in self.query("#condition, .one"):
             field.display = not several  # one follows from the order
-        if proposal is not None:
-            self._fill_in(proposal)
-
-    def _fill_in(self, proposal: ProposedOrder) -> None:
-        """The fields say what is proposed, until somebody writes otherwise."""
+        if proposal is None:
+            return
+        # The fields say what is proposed, until somebody writes otherwise.
         self.query_one("#order", Input).value = ", ".join(proposal.order)
         if proposal.trial is not None:
             self.query_one("#trial", Input).value = str(proposal.trial)

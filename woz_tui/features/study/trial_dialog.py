@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pkgutil import resolve_name
 
 from textual import events
-from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
 
@@ -49,21 +48,24 @@ class TrialDialog(Dialog):
         """Where the session stands, what can be done, a field for a word."""
         self._steps = trial_steps(self.state)
         yield Static(content(self.lines()), id="stands")
-        yield OptionList(*map(self._line, self._steps), id="choices")
+        lines = [
+            content([((f" {step.key} ", "key"), (f"  {step.text}", "plain"))])
+            for step in self._steps
+        ]
+        yield OptionList(*lines, id="choices")
         field = Input(placeholder="reason (optional)", id="why")
         field.display = False
         yield field
-
-    def _line(self, step: TrialStep) -> Content:
-        return content([((f" {step.key} ", "key"), (f"  {step.text}", "plain"))])
 
     def lines(self) -> list[Row]:
         """Trial or break with its time, the order of the conditions."""
         study = self.state.session.study
         first: Row = ((trial_status(study, self.now), "strong"),)
         rows: list[Row] = [first]
-        if study.order:
-            rows.append(order_row(study.order, _here(study), self.glyphs.here))
+        if study.order:  # marked: that of the trial that is running or comes next, if one is left
+            following = "" if study.trial is not None else study.condition_of(study.next_trial)
+            present = "" if study.all_over else following or study.condition
+            rows.append(order_row(study.order, present, self.glyphs.here))
         if (asked := under_way(self.state)) is not None:
             rows.append(((clean(f"{asked.title}: {asked.progress}"), "wait"),))
         return [*rows, ()]
@@ -134,15 +136,11 @@ def trial_steps(console: ConsoleState) -> list[TrialStep]:
             TrialStep("x", "excluded: not to be analysed", _trial("excluded", of), asks=True),
         ]
     elif under_way(console) is None and not state.all_over:
-        found.append(TrialStep("b", _beginning(state), _trial("begin")))
+        again = " again" if state.again else ""
+        found.append(TrialStep("b", f"begin trial {state.next_trial}{again}", _trial("begin")))
     if state.in_break is None:
         found.append(TrialStep("p", "pause: a break", _trial("break")))
     return [*found, *_of_features(console, "last")]
-
-
-def _beginning(study: StudyState) -> str:
-    """`begin trial 3`, or that it is run again."""
-    return f"begin trial {study.next_trial}{' again' if study.again else ''}"
 
 
 def trial_status(study: StudyState, now: int) -> str:
@@ -158,12 +156,6 @@ def trial_status(study: StudyState, now: int) -> str:
     if last is not None:
         return f"trial {last.trial}{of} is over: {last.outcome}"
     return f"no trial yet, {planned} planned" if planned else "no trial yet"
-
-
-def _here(study: StudyState) -> str:
-    """The condition of the trial that is running or comes next; none, if none is left."""
-    following = "" if study.trial is not None else study.condition_of(study.next_trial)
-    return "" if study.all_over else following or study.condition
 
 
 def order_row(order: Iterable[str], present: str, here: str) -> Row:

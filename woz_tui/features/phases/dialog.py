@@ -39,41 +39,29 @@ class PhasesDialog(ChoiceDialog):
 
     def choices(self) -> Sequence[ListChoice]:
         """All phases of the file, in its order; a refusal is shown above the hints."""
-        phases = self._phases
+        state, phases = self.state, self._phases
         width = min(TITLE, max((cell_len(clean(each.heading)) for each in phases), default=1))
-        following = next_phase(self.state.session, phases)
+        following = next_phase(state.session, phases)
         self.first = phases.index(following) if following is not None else None
-        return [
-            ListChoice(
-                Content.assemble(
-                    (f"{self._mark(phase)} ", "bold"),
-                    fit(clean(phase.heading), width, self.glyphs.ellipsis),
-                    (f"  {self._about(phase)}", "$woz-muted"),
-                ),
-                partial(self.requests.ask, AskPhase(phase=phase.name, source="key")),
+        stage, begun = state.session.study.stage, state.session.history(PhaseHistory).begun
+        found = []
+        for phase in phases:
+            mark = self.glyphs.done if phase.name in begun else " "
+            parts = []
+            if stage is not None and stage.name == phase.name:
+                mark = self.glyphs.here
+                parts.append("present")
+            elif phase.after and not can_begin(state.session, phase, phases):
+                parts.append(f"after {' or '.join(map(state.heading, phase.after))}")
+            if phase.planned:
+                parts.append(f"planned {elapsed(round(phase.planned * 1_000_000))}")
+            if phase.panels:
+                parts.append(", ".join(phase.panels))
+            line = Content.assemble(
+                (f"{mark} ", "bold"),
+                fit(clean(phase.heading), width, self.glyphs.ellipsis),
+                (f"  {clean('; '.join(parts))}", "$woz-muted"),
             )
-            for phase in phases
-        ]
-
-    def _mark(self, phase: PhaseView) -> str:
-        if self._is_present(phase):
-            return self.glyphs.here
-        begun = self.state.session.history(PhaseHistory).begun
-        return self.glyphs.done if phase.name in begun else " "
-
-    def _is_present(self, phase: PhaseView) -> bool:
-        stage = self.state.session.study.stage
-        return stage is not None and stage.name == phase.name
-
-    def _about(self, phase: PhaseView) -> str:
-        state = self.state
-        parts = []
-        if self._is_present(phase):
-            parts.append("present")
-        elif phase.after and not can_begin(state.session, phase, self._phases):
-            parts.append(f"after {' or '.join(map(state.heading, phase.after))}")
-        if phase.planned:
-            parts.append(f"planned {elapsed(round(phase.planned * 1_000_000))}")
-        if phase.panels:
-            parts.append(", ".join(phase.panels))
-        return clean("; ".join(parts))
+            asks = partial(self.requests.ask, AskPhase(phase=phase.name, source="key"))
+            found.append(ListChoice(line, asks))
+        return found

@@ -19,10 +19,14 @@ class ProfileView(FeatureView):
 
     def settings(self, experiment: Experiment, fact: Profile | None) -> Mapping[str, Any]:
         known = PROFILES.of(experiment)
+        allows = {}
+        for name, profile in known.items():
+            named = {field: sorted(getattr(profile, field)) for field in FIELDS if field != "hide"}
+            allows[name] = Allowance(**named, hide=profile.hide)
         return {
             "profiles": [*known],
             "profile": fact.name if fact is not None else "",
-            "allows": {name: _allowance(profile) for name, profile in known.items()},
+            "allows": allows,
         }
 
     def panel(self, panel: Panel, view: PanelView, fact: Profile | None) -> PanelView | None:
@@ -37,12 +41,6 @@ class ProfileView(FeatureView):
         if fact.hide and not actions:
             return None
         return replace(view, actions=actions, locked=view.locked or not allowed)
-
-
-def _allowance(profile: Profile) -> Allowance:
-    """What a profile names; `hide` where it does not show the rest."""
-    named = {field: sorted(getattr(profile, field)) for field in FIELDS if field != "hide"}
-    return Allowance(**named, hide=profile.hide)
 
 
 VIEW = ProfileView()

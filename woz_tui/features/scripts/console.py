@@ -39,16 +39,12 @@ def _play(press: KeyPress) -> AskScript:
 
 
 def _back(press: KeyPress) -> AskScript:
-    return _move(-1, press)
+    """A line back without playing, from where the script stands when this arrives."""
+    return AskScript(play=False, by=-1, **press.fields)
 
 
 def _on(press: KeyPress) -> AskScript:
-    return _move(1, press)
-
-
-def _move(by: int, press: KeyPress) -> AskScript:
-    """So many lines on without playing, from where the script stands when this arrives."""
-    return AskScript(play=False, by=by, **press.fields)
+    return AskScript(play=False, by=1, **press.fields)
 
 
 def _has_lines(state: ConsoleState) -> bool:
@@ -109,16 +105,11 @@ def _entry(state: ConsoleState, script: ShownScript, index: int, frame: PaintFra
     look = "strong" if following else "muted" if played else "plain"
     label = clean(state.label(name))
     rows: list[Row] = [((f" {mark} {label}", look),)]
-    rows += [
-        ((" " * INDENT, "plain"), (line, "muted"))
-        for line in _wrapped(clean(state.sentence(name)), frame)
-    ]
+    words, room = clean(state.sentence(name)), max(10, frame.width - INDENT - 1)
+    more = f" {glyphs.ellipsis}"
+    for line in textwrap.wrap(words, room, max_lines=WORDS, placeholder=more):
+        rows.append(((" " * INDENT, "plain"), (line, "muted")))
     return [cut(row, frame.width, glyphs.ellipsis) for row in rows]
-
-
-def _wrapped(words: str, frame: PaintFrame) -> list[str]:
-    room = max(10, frame.width - INDENT - 1)
-    return textwrap.wrap(words, room, max_lines=WORDS, placeholder=f" {frame.glyphs.ellipsis}")
 
 
 CONSOLE = FeatureConsole(

@@ -26,14 +26,6 @@ class HeardWords(FeatureNotes):
 
 def words_of(text: str) -> tuple[str, ...]:
     """Words without what stands around them, the longest first: it is seldom the article."""
-    words = (each.strip(".,;:!?\"'()[]{}…¿¡„“”«»") for each in tidied_words(text))
-    return tuple(sorted(dict.fromkeys(filter(_has_letters, words)), key=len, reverse=True))
-
-
-def tidied_words(text: str) -> list[str]:
-    """Each word as it can stand in a slot."""
-    return [tidied(word) for word in text.split()]
-
-
-def _has_letters(word: str) -> bool:
-    return any(sign.isalnum() for sign in word)
+    words = (tidied(word).strip(".,;:!?\"'()[]{}…¿¡„“”«»") for word in text.split())
+    told = dict.fromkeys(word for word in words if any(map(str.isalnum, word)))
+    return tuple(sorted(told, key=len, reverse=True))

@@ -119,12 +119,19 @@ def _lines(state: ConsoleState, height: int) -> int:
 
 
 def _rows(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
-    """The cue that waits; between two of them what became of the last one."""
+    """The cue that waits, in as many lines as there are beside its bar; between two of them what
+    became of the last one.
+    """
     cue, notes = state.session.history(TrainingHistory).cue, state.study.notes.of(TrainingNotes)
+    plain = frame.glyphs.plain
     if cue is not None:
         given = cue.given
         text = f"\N{LEFT DOUBLE QUOTATION MARK}{given.text}\N{RIGHT DOUBLE QUOTATION MARK}"
-        said = _wrapped(text if given.text else _SORTS.get(given.sort, given.sort), frame)
+        words = plain(clean(text if given.text else _SORTS.get(given.sort, given.sort)))
+        wrapped = wrap_row(((words, "strong"),), 0, frame.width)
+        lines = ["".join(piece for piece, _ in row).strip() for row in wrapped]
+        room = max(1, frame.height - 1)
+        said = [*lines[: room - 1], " ".join(lines[room - 1 :])]
         left = max(0, given.t + given.window_us - frame.now)
         full = round(left / max(1, given.window_us) * (frame.width // 2))
         rows = [*((line, "strong") for line in said), (frame.glyphs.bar * full, "run")]
@@ -132,22 +139,13 @@ def _rows(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
         rows = [verdict_text(notes.judged), ("", "plain")]
     else:
         rows = [("The first cue comes soon.", "muted"), ("", "plain")]
-    return [_centred(text, look, frame) for text, look in rows]
-
-
-def _wrapped(text: str, frame: PaintFrame) -> list[str]:
-    """The words of a cue, in as many lines as the board has beside the bar."""
-    plain, room = frame.glyphs.plain(clean(text)), max(1, frame.height - 1)
-    rows = wrap_row(((plain, "strong"),), 0, frame.width)
-    lines = ["".join(piece for piece, _ in row).strip() for row in rows]
-    return [*lines[: room - 1], " ".join(lines[room - 1 :])]
-
-
-def _centred(text: str, look: str, frame: PaintFrame) -> Row:
-    shown = frame.glyphs.plain(clean(text))
-    if cell_len(shown) > frame.width:
-        shown = fit(shown, frame.width, frame.glyphs.ellipsis)
-    return ((shown.center(frame.width), look),)
+    shown: list[Row] = []
+    for text, look in rows:
+        line = plain(clean(text))
+        if cell_len(line) > frame.width:
+            line = fit(line, frame.width, frame.glyphs.ellipsis)
+        shown.append(((line.center(frame.width), look),))
+    return shown
 
 
 # -- dialogs -------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Protocol
 
 import msgspec
@@ -17,7 +18,6 @@ from woz_tui.console.link.message_feed import Incoming
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.requests import (
     PROTOCOL,
     AskControls,
@@ -239,8 +239,8 @@ class HandClient:
         """A device has been plugged in."""
         hand = Hand(device)
         self.hands.append(hand)
-        device.on_change = lambda: self._changed(hand)
-        device.on_gone = lambda: self._remove(hand)
+        device.on_change = partial(self._changed, hand)
+        device.on_gone = partial(self._remove, hand)
         if self.welcomed:
             self._attach(hand)
 
@@ -336,18 +336,16 @@ class HandClient:
         now_us = self._clock.boot_us()
         for hand in self.hands:
             if hand.panel:
-                self._beat(hand, now_us)
+                held, waits = hand.device.held, bool(hand.waiting)
+                every_us = self.panels[hand.panel].hold * BEAT_SHARE * 1_000_000
+                if held and not waits and now_us - hand.sent_us >= every_us:
+                    hand.waiting.append((dict(held), now_us))
                 self._flush(hand)
         self._watch_line(now_us)
         if now_us - self._faces_us >= FACES_US:
             self._faces_us = now_us
             for hand in self.hands:
                 self._show(hand, self._faces(hand))
-
-    def _beat(self, hand: Hand, now_us: int) -> None:
-        every_us = self.panels[hand.panel].hold * BEAT_SHARE * 1_000_000
-        if hand.device.held and not hand.waiting and now_us - hand.sent_us >= every_us:
-            hand.waiting.append((dict(hand.device.held), now_us))
 
     def _watch_line(self, now_us: int) -> None:
         """Say when the line stalls; presses that are too old by then are not sent any more."""
@@ -375,29 +373,28 @@ class HandClient:
         panel = self.panels.get(hand.panel)
         if panel is None:
             return {}
-        found = {
+        stopped = self.state.session.stop is not None
+        now = self.state.now(self._clock.boot_us())
+        actions = {
             action.name: (shown, action) for shown in self.state.panels for action in shown.actions
         }
-        by_key = {action.key: name for name, (_, action) in found.items() if action.key}
-        return {
-            one.name: self._face(one, found.get(one.action or by_key.get(one.key, "")))
-            for one in panel.controls
-            if one.label
-        }
-
-    def _face(
-        self, control: _Control, action: tuple[PanelView, ActionView] | None
-    ) -> tuple[str, str, str]:
-        stopped = self.state.session.stop is not None
-        if control.stop == "all":
-            return control.label, "stopped" if stopped else "stop", ""
-        if action is None:
-            return control.label, "ready", ""
-        now = self.state.now(self._clock.boot_us())
-        view = self.state.button_view(*action, now)
-        label = action[1].label if control.label in (action[1].name, control.key) else control.label
-        left = f"{time_left(view.left_us)} s" if view.left_us is not None else ""
-        return label, view.state.value, left
+        by_key = {action.key: name for name, (_, action) in actions.items() if action.key}
+        faces = {}
+        for one in panel.controls:
+            if not one.label:
+                continue
+            found = actions.get(one.action or by_key.get(one.key, ""))
+            if one.stop == "all":
+                faces[one.name] = (one.label, "stopped" if stopped else "stop", "")
+            elif found is None:
+                faces[one.name] = (one.label, "ready", "")
+            else:
+                _, action = found
+                view = self.state.button_view(*found, now)
+                label = action.label if one.label in (action.name, one.key) else one.label
+                left = f"{time_left(view.left_us)} s" if view.left_us is not None else ""
+                faces[one.name] = (label, view.state.value, left)
+        return faces
 
 
 def _hand_panels(outlines: Mapping[str, Any]) -> dict[str, HandPanel]:

@@ -179,11 +179,8 @@ class AboutDialog(ReportDialog):
             for name, value in facts.items()
             if value not in ("", None)
         ]
-        return [*rows, (), *self._state()]
-
-    def _state(self) -> list[Row]:
-        told = self.state.settings.replay or ReplayedLog()
+        rows.append(())
         if not told.notes:
-            return [((f"{self.glyphs.yes} ", "good"), ("The log is complete.", "plain"))]
+            return [*rows, ((f"{self.glyphs.yes} ", "good"), ("The log is complete.", "plain"))]
         mark = (f"{self.glyphs.warning} ", "warn")
-        return [(mark, (clean(note), "plain")) for note in told.notes]
+        return [*rows, *((mark, (clean(note), "plain")) for note in told.notes)]

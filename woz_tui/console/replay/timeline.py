@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 from rich.cells import cell_len
@@ -11,7 +11,7 @@ from woz_tui.console.drawing.cells import Piece, Row, cut, fit, length, spread
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.meter_rows import merge_pieces
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.console.state.replay import ReplayState, TimelinePlace, wall_time
+from woz_tui.console.state.replay import ReplayState, wall_time
 from woz_tui.console.state.stop_confirmation import settled_row, stopped_words
 from woz_tui.console.widgets.bottom_rows import (
     BarInfo,
@@ -22,7 +22,6 @@ from woz_tui.console.widgets.bottom_rows import (
     upcoming,
 )
 from woz_tui.system.text_cleaning import elapsed
-from woz_tui.timeline.episodes import StopEpisode
 
 #: The most important first: they share cells of the line. Sign and look.
 SIGNS: Mapping[str, tuple[str, str]] = {
@@ -58,18 +57,15 @@ def replay_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Ro
 
 
 def _session_row(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> Row:
-    """A sentence for the viewer; else the stop as it was; else what came next, or what keys do."""
+    """A sentence for the viewer; else the stop as it was, with who had confirmed; else what came
+    next, or what keys do.
+    """
     glyphs, width = frame.glyphs, frame.width
     if bar.news.text:
         return ((fit(f" {glyphs.plain(bar.news.text)}", width, glyphs.ellipsis), bar.news.look),)
-    if (stop := state.session.stop) is not None:
-        return _stop_row(state, stop, frame)
-    return order_row(state, frame) or cut(hint_row(bar.hints, width), width, glyphs.ellipsis)
-
-
-def _stop_row(state: ConsoleState, stop: StopEpisode, frame: PaintFrame) -> Row:
-    """The stop of then in one row, and who had confirmed."""
-    glyphs, width = frame.glyphs, frame.width
+    stop = state.session.stop
+    if stop is None:
+        return order_row(state, frame) or cut(hint_row(bar.hints, width), width, glyphs.ellipsis)
     row: Row = ((f"{stopped_words(stop, state.others, glyphs)} ", "alarm"),)
     if stop.settled:
         row += settled_row(stop, state.short_names, glyphs, width - length(row))
@@ -80,47 +76,33 @@ def time_row(
     state: ConsoleState, frame: PaintFrame, hints: tuple[tuple[str, str], ...] = ()
 ) -> Row:
     """Where the replay is: state, time, the line with its places, clock of then, speed."""
-    replay = state.replay
+    replay, glyphs = state.replay, frame.glyphs
     if replay is None:
-        return ((fit(f" reading the log{frame.glyphs.ellipsis}", frame.width), "muted"),)
+        return ((fit(f" reading the log{glyphs.ellipsis}", frame.width), "muted"),)
     now = min(frame.now, replay.length_us) if replay.length_us else frame.now
-    left = _left(replay, now, frame.glyphs)
-    right = _right(state, replay, now, hints)
+    if replay.ended:
+        plays: Piece = (f" {glyphs.stopped}  ", "muted")
+    elif replay.paused:
+        plays = (f" {glyphs.pause} ", "warn")
+    else:
+        plays = (f" {glyphs.running}  ", "run")
+    whole = elapsed(replay.length_us)
+    # As wide at the end as at the beginning, so that the line stands still.
+    left: Row = (plays, (elapsed(now).rjust(cell_len(whole)), "strong"), (f" / {whole} ", "muted"))
+    right: Row = ((" ", "plain"),)
+    if clock := wall_time(state.settings, now):
+        right += ((f"{clock:%H:%M:%S} UTC ", "plain"),)
+    if replay.cut_us:
+        right += ((f"{elapsed(replay.cut_us)} cut ", "wait"),)
+    right += ((f"{f'{replay.rate:g}x':>5} ", "plain" if replay.rate == 1 else "strong"),)
+    for key, word in [hint for hint in hints if hint[1] == "keys"][:1]:
+        right += ((key, "strong"), (f" {word} ", "muted"))
     if frame.width >= ROOMY:
-        right = (*right, *hint_row(hints[:4], frame.width // 3))
+        right += hint_row(hints[:4], frame.width // 3)
     room = frame.width - length(left) - length(right)
     if room < LEAST:
-        return spread(left, right, frame.width, frame.glyphs.ellipsis)
-    return (*left, *line_pieces(replay, now, room, frame.glyphs), *right)
-
-
-def _left(replay: ReplayState, now: int, glyphs: Glyphs) -> Row:
-    """As wide at the end as at the beginning, so that the line stands still."""
-    if replay.ended:
-        state: Piece = (f" {glyphs.stopped}  ", "muted")
-    elif replay.paused:
-        state = (f" {glyphs.pause} ", "warn")
-    else:
-        state = (f" {glyphs.running}  ", "run")
-    whole = elapsed(replay.length_us)
-    return state, (elapsed(now).rjust(cell_len(whole)), "strong"), (f" / {whole} ", "muted")
-
-
-def _right(
-    state: ConsoleState, replay: ReplayState, now: int, hints: tuple[tuple[str, str], ...]
-) -> Row:
-    row: list[Piece] = [(" ", "plain")]
-    clock = wall_time(state.settings, now)
-    if clock:
-        row.append((f"{clock:%H:%M:%S} UTC ", "plain"))
-    if replay.cut_us:
-        row.append((f"{elapsed(replay.cut_us)} cut ", "wait"))
-    speed = f"{replay.rate:g}x"
-    row.append((f"{speed:>5} ", "plain" if replay.rate == 1 else "strong"))
-    told = next(((key, word) for key, word in hints if word == "keys"), None)
-    if told is not None:
-        row += [(told[0], "strong"), (f" {told[1]} ", "muted")]
-    return tuple(row)
+        return spread(left, right, frame.width, glyphs.ellipsis)
+    return (*left, *line_pieces(replay, now, room, glyphs), *right)
 
 
 def line_pieces(replay: ReplayState, now: int, width: int, glyphs: Glyphs) -> Row:
@@ -130,20 +112,15 @@ def line_pieces(replay: ReplayState, now: int, width: int, glyphs: Glyphs) -> Ro
     cells: list[Piece] = [
         (played, "run") if x < here else (glyphs.rule, "faint") for x in range(width)
     ]
-    for x, sort in _signs(replay.places, replay.length_us, width).items():
+    order, sorts = list(SIGNS), dict[int, str]()
+    for place in replay.places:
+        if place.sort in SIGNS:
+            x = _cell(place.t, replay.length_us, width)
+            sorts[x] = min(place.sort, sorts.get(x, order[-1]), key=order.index)
+    for x, sort in sorts.items():
         cells[x] = sign_of(sort, glyphs)
     cells[here] = (glyphs.spot, "strong")
     return merge_pieces(cells)
-
-
-def _signs(places: Iterable[TimelinePlace], length_us: int, width: int) -> dict[int, str]:
-    order = list(SIGNS)
-    signs: dict[int, str] = {}
-    for place in places:
-        if place.sort in SIGNS:
-            x = _cell(place.t, length_us, width)
-            signs[x] = min(place.sort, signs.get(x, order[-1]), key=order.index)
-    return signs
 
 
 def _cell(t: int, length_us: int, width: int) -> int:

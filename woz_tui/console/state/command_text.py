@@ -46,10 +46,13 @@ def command_words(command: m.Command | m.FilledCall) -> str:
         if command.driver in words:
             named: str = words[command.driver](command.args)
             return named
-    return _step(command.verb, command.args) or _verb(command.verb, command.args)
+    if steps := _steps_text(command.verb, command.args):
+        return steps
+    given = (_argument(command.verb, name, value) for name, value in command.args.items())
+    return " ".join(filter(None, (command.verb, *given)))
 
 
-def _step(verb: str, args: Mapping[str, Json]) -> str:
+def _steps_text(verb: str, args: Mapping[str, Json]) -> str:
     """`head 8° left`; nothing where something else is asked for than steps."""
     known = _STEPS.get(verb, {})
     told: list[str] = []
@@ -60,11 +63,6 @@ def _step(verb: str, args: Mapping[str, Json]) -> str:
         if value:
             told.append(f"{what} {abs(value):g}{unit} {more if value > 0 else less}")
     return ", ".join(told)
-
-
-def _verb(verb: str, args: Mapping[str, Json]) -> str:
-    parts = [verb, *(_argument(verb, name, value) for name, value in args.items())]
-    return " ".join(part for part in parts if part)
 
 
 def _argument(verb: str, name: str, value: Json) -> str:

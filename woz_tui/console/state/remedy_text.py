@@ -18,15 +18,14 @@ def remedy_text(remedy: str, state: ConsoleState) -> str:
 
     What no button does stays as it is: it can be found by typing.
     """
-    return _CALL.sub(lambda found: _named(found, state) or found[0], remedy)
-
-
-def _named(found: re.Match[str], state: ConsoleState) -> str:
-    """The button and its key; empty: there is none."""
-    name = button_of(found["verb"], found["value"], state)
-    key = state.keys.get(name, "")
-    label = clean(state.label(name))
-    return f"{label} ({key})" if key else f"“{label}”" if name else ""
+    told, end = "", 0
+    for call in _CALL.finditer(remedy):
+        name = button_of(call["verb"], call["value"], state)
+        key, label = state.keys.get(name, ""), clean(state.label(name))
+        button = f"{label} ({key})" if key else f"“{label}”" if name else call[0]
+        told += remedy[end : call.start()] + button
+        end = call.end()
+    return told + remedy[end:]
 
 
 def button_of(verb: str, value: str | None, state: ConsoleState) -> str:

@@ -70,6 +70,11 @@ def settled_row(
     confirmed = len(stop.confirmed)
     count = f"{confirmed} of {confirmed + len(stop.missing)} confirmed"
     names = missing_row(stop, short, glyphs, parts=False)
+    away = len(stop.unreached)
+    counts = {"NOT REACHED": away, "NOT CONFIRMED": len(stop.missing) - away}
+    counted = tuple(
+        (f" {glyphs.error} {number} {what} ", "alarm") for what, number in counts.items() if number
+    )
     late = f" late, after {stop.late_us / 1e6:.1f} s" if stop.late_us else ""
     told = (
         (alarms, f" confirmed{late}: {confirmed_words(stop, short)}"),
@@ -78,7 +83,7 @@ def settled_row(
         (alarms, ""),
         (names, f" {count}"),
         (names, ""),
-        (_counted(stop, glyphs), f" {count}{f'; {key} names them' if key else ''}"),
+        (counted, f" {count}{f'; {key} names them' if key else ''}"),
     )
     rows = [(*row, (clean(words), "alarm-soft")) for row, words in told]
     return next((row for row in rows if length(row) <= width), rows[-1])
@@ -94,13 +99,6 @@ def missing_row(
     return tuple((f" {glyphs.error} {what.upper()}:{names} ", "alarm") for what, _, names in alarms)
 
 
-def _counted(stop: StopEpisode, glyphs: Glyphs) -> Row:
-    away = len(stop.unreached)
-    counts = {"NOT REACHED": away, "NOT CONFIRMED": len(stop.missing) - away}
-    alarms = (f" {glyphs.error} {count} {what} " for what, count in counts.items() if count)
-    return tuple((alarm, "alarm") for alarm in alarms)
-
-
 def confirmed_words(stop: StopEpisode, short: Mapping[str, str], *, parts: bool = True) -> str:
     """`head, pepper (speech, motion)`. Of a driver that is missing, those parts that did confirm,
     unless `parts` are not to be named.
@@ -108,13 +106,12 @@ def confirmed_words(stop: StopEpisode, short: Mapping[str, str], *, parts: bool 
     told = stop.parts_confirmed
     partly = tuple(name for name in stop.missing if told.get(name))
     if parts and (names := (*stop.confirmed, *partly)):
-        return ", ".join(_with_parts(name, short, told) for name in names)
+        words = []
+        for name in names:
+            which, shown = ", ".join(told.get(name, ())), short.get(name, name)
+            words.append(f"{shown} ({which})" if which else shown)
+        return ", ".join(words)
     names = tuple(short.get(name, name) for name in stop.confirmed)
     if not names and not stop.missing:
         return "nothing here moves"
     return ", ".join(names) or ("only parts" if partly else "nobody")
-
-
-def _with_parts(name: str, short: Mapping[str, str], parts: Parts) -> str:
-    which, shown = ", ".join(parts.get(name, ())), short.get(name, name)
-    return f"{shown} ({which})" if which else shown

@@ -172,49 +172,34 @@ HEIGHT = 4
 def legend_rows(
     engaged: EngagementView, covered: Mapping[str, str], width: int, glyphs: Glyphs, *, steers: bool
 ) -> list[Row]:
-    """What the keys do. `covered`: key of an override that else plays an action -> its label."""
-    if steers:
-        rows = _orders(engaged, width)
-        rows += [_covered(covered, glyphs)] if covered else []
-    else:
-        keys = " ".join(order.key for order in OVERRIDES)
-        rows = [
-            (
-                ("Keys play the robot. ", "muted"),
-                (" tab ", "key"),
-                (" lets you set the model by hand: ", "plain"),
-                (keys, "muted"),
-            )
-        ]
-    return [cut(row, width, glyphs.ellipsis) for row in rows[:HEIGHT]]
-
-
-def _orders(engaged: EngagementView, width: int) -> list[Row]:
-    """The overrides' keys on as few lines as they fill; quiet where one would do nothing now."""
+    """What the keys do, on as few lines as they fill; quiet where one would do nothing now.
+    `covered`: key of an override that else plays an action -> its label.
+    """
     rows: list[Row] = [()]
+    if not steers:
+        keys = " ".join(order.key for order in OVERRIDES)
+        rows[0] = (
+            ("Keys play the robot. ", "muted"),
+            (" tab ", "key"),
+            (" lets you set the model by hand: ", "plain"),
+            (keys, "muted"),
+        )
+        return [cut(rows[0], width, glyphs.ellipsis)]
+    shown = engaged.session.model.shown
     for order in OVERRIDES:
-        now = _counts(order, engaged)
+        does = shown is not None
+        if order.id == "step":
+            does = engaged.held
+        elif order.id in ("greeted", "unknown"):
+            does = shown is not None and shown.state == "Handshake"
         piece: Row = (
-            (f" {order.key} ", "key" if now else "muted"),
-            (f" {order.word}  ", "plain" if now else "muted"),
+            (f" {order.key} ", "key" if does else "muted"),
+            (f" {order.word}  ", "plain" if does else "muted"),
         )
         if rows[-1] and length(rows[-1]) + length(piece) > width:
             rows.append(())
         rows[-1] += piece
-    return rows
-
-
-def _counts(order: Override, engaged: EngagementView) -> bool:
-    shown = engaged.session.model.shown
-    if shown is None:
-        return False
-    if order.id == "step":
-        return engaged.held
-    if order.id in ("greeted", "unknown"):
-        return shown.state == "Handshake"
-    return True
-
-
-def _covered(covered: Mapping[str, str], glyphs: Glyphs) -> Row:
-    told = ", ".join(f"{key} {clean(label)}" for key, label in covered.items())
-    return ((f"{glyphs.warning} these play nothing meanwhile: {told}", "warn"),)
+    if covered:
+        told = ", ".join(f"{key} {clean(label)}" for key, label in covered.items())
+        rows.append(((f"{glyphs.warning} these play nothing meanwhile: {told}", "warn"),))
+    return [cut(row, width, glyphs.ellipsis) for row in rows[:HEIGHT]]

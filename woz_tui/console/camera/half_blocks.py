@@ -143,7 +143,12 @@ class HalfBlockCanvas:
 
     def paint(self, rgb: bytes, allowance: int) -> list[Region]:
         """Show a picture of `size`, as far as `allowance` bytes reach; returns what to paint."""
-        changed = self._worst(self._differences(rgb), max(1, allowance // COSTS[self.colours]))
+        differences = self._differences(rgb)
+        changed = [place for place, by in enumerate(differences) if by > NOISE]
+        most = max(1, allowance // COSTS[self.colours])
+        if len(changed) > most:  # those that differ most
+            changed.sort(key=differences.__getitem__, reverse=True)
+            changed = sorted(changed[:most])
         shown = self._shown = self._shown or bytearray(len(rgb))
         painted = []
         stride, number = 3 * self.columns, self._number
@@ -175,14 +180,6 @@ class HalfBlockCanvas:
             upper, lower = pixels[top : top + wide], pixels[top + wide : top + 2 * wide]
             cells += map(max, upper, lower)
         return cells
-
-    def _worst(self, differences: list[int], most: int) -> list[int]:
-        """The cells that have changed, in their order; if too many, those that differ most."""
-        changed = [place for place, by in enumerate(differences) if by > NOISE]
-        if len(changed) > most:
-            changed.sort(key=lambda place: -differences[place])
-            changed = sorted(changed[:most])
-        return changed
 
     def _regions(self, places: list[int]) -> list[Region]:
         """Cells in their order as stretches within lines."""

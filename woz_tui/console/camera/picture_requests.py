@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from woz_tui.console.camera.picture_terminal import PictureTerminal
 from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
@@ -189,11 +190,11 @@ class PictureRequester:
         )
         self._ask(
             request,
-            lambda shown: self._came(shown, generation),
-            lambda reply: self._refused(reply, generation),
+            partial(self._came, generation),
+            partial(self._refused, generation),
         )
 
-    def _came(self, shown: PictureShown, generation: int) -> None:
+    def _came(self, generation: int, shown: PictureShown) -> None:
         if generation != self._generation:
             return
         self._requested_us = None
@@ -210,7 +211,7 @@ class PictureRequester:
             self._drawing, self.why = None, str(error)
             self.pace.wait(now, REFUSED_S)
 
-    def _refused(self, reply: Reply, generation: int) -> None:
+    def _refused(self, generation: int, reply: Reply) -> None:
         if generation != self._generation or reply.ok:
             return
         self._requested_us = None

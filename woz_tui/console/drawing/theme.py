@@ -250,7 +250,7 @@ def choose_appearance(
     encoding: str,
     *,
     theme: str = "",
-    light: Callable[[], bool | None] = lambda: None,
+    light: Callable[[], bool | None] | None = None,
 ) -> Appearance:
     """What suits a terminal, by what it says itself.
 
@@ -269,9 +269,8 @@ def choose_appearance(
     if chosen := saved_theme(environ):
         return Appearance(glyphs, f"woz-{chosen}")
     ground = environ.get("COLORFGBG", "").rpartition(";")[2]
-    return Appearance(
-        glyphs, "woz-light" if ground in ("7", "15") or (not ground and light()) else "woz-dark"
-    )
+    is_light = light is not None and light() if not ground else ground in ("7", "15")
+    return Appearance(glyphs, "woz-light" if is_light else "woz-dark")
 
 
 # -- what was chosen last --------------------------------------------------------------------------

@@ -100,8 +100,8 @@ class HostConnection:
         )
         self._clock = clock or RealClock()
         self._silence_us = round(silence_s * 1_000_000)
-        self._on_messages: OnMessages = lambda batch: None
-        self._on_lost: OnLost = lambda loss: None
+        self._on_messages: OnMessages = _ignore
+        self._on_lost: OnLost = _ignore
         self._explain = explain
         self._lock = threading.Lock()
         self._socket: socket.socket | None = None
@@ -191,7 +191,8 @@ class HostConnection:
             self._waiting.append(line)
             self._more.set()
         else:
-            _shut(connection)  # the reader notices, and says that the host is lost
+            with contextlib.suppress(OSError):  # the reader notices, and says that it is lost
+                connection.shutdown(socket.SHUT_RDWR)
 
     def _send_aside(self, line: bytes) -> None:
         """Over a connection of its own; without waiting for anything."""
@@ -272,7 +273,11 @@ class HostConnection:
         again = msgspec.structs.replace(self._hello, take_over=False)
         while True:
             loss = self._read(connection)
-            self._disconnect(connection)
+            with self._lock:
+                self._socket = None
+                self._lost = True
+                self._waiting.clear()
+                connection.close()
             if self._closed.is_set():
                 return
             if self._ended:
@@ -294,13 +299,6 @@ class HostConnection:
                 return None
             with contextlib.suppress(OSError):
                 return self._connect(hello)
-
-    def _disconnect(self, connection: socket.socket) -> None:
-        with self._lock:
-            self._socket = None
-            self._lost = True
-            self._waiting.clear()
-            connection.close()
 
     def _read(self, connection: socket.socket) -> Loss:
         """Deliver batches until the connection ends; returns why it did."""
@@ -396,6 +394,5 @@ def _end_writing(connection: socket.socket) -> None:
         connection.shutdown(socket.SHUT_WR)
 
 
-def _shut(connection: socket.socket) -> None:
-    with contextlib.suppress(OSError):
-        connection.shutdown(socket.SHUT_RDWR)
+def _ignore(told: object) -> None:
+    """Nobody listens yet."""

@@ -13,13 +13,17 @@ from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol.requests import Request
 
 
+def _always(state: ConsoleState) -> bool:
+    return True
+
+
 @dataclass(frozen=True, slots=True)
 class KeyHint:
     """A key's word in the lowest line, where `worth` says so; the lower `rank`, the earlier."""
 
     rank: float
     word: str
-    worth: Callable[[ConsoleState], bool] = lambda state: True
+    worth: Callable[[ConsoleState], bool] = _always
 
 
 @dataclass(frozen=True, slots=True)

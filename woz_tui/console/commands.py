@@ -42,9 +42,14 @@ from woz_tui.protocol.requests import (
 Run = Callable[[ConsoleApp], object]
 
 
+def open_named(app: ConsoleApp, dialog: str) -> None:
+    """Open the dialog `package.module:Class`."""
+    app.open_dialog(resolve_name(dialog)())
+
+
 def opens(dialog: str) -> Run:
     """Open the dialog `module:Class` of this package."""
-    return lambda app: app.open_dialog(resolve_name(f"{__package__}.{dialog}")())
+    return partial(open_named, dialog=f"{__package__}.{dialog}")
 
 
 def calls(function: str) -> Run:
@@ -248,11 +253,6 @@ _COMMANDS = (
     _colours("light", "light", "light colours"),
     _colours("sixteen", "16", "the terminal's own sixteen colours"),
 )
-
-
-def open_named(app: ConsoleApp, dialog: str) -> None:
-    """Open the dialog `package.module:Class` of a feature."""
-    app.open_dialog(resolve_name(dialog)())
 
 
 def _of_feature(command: FeatureCommand) -> ConsoleCommand:

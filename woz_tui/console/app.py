@@ -148,7 +148,6 @@ class Console(ScreenApp):
     # -- putting together ---------------------------------------------------------------------
 
     def compose(self) -> ComposeResult:
-        """The main screen."""
         yield from self._main_screen.compose()
 
     def begin(self) -> None:
@@ -494,7 +493,6 @@ class Console(ScreenApp):
         return cap or self._key("find"), self.state.label(action)
 
     def walk(self, by: int) -> None:
-        """Choose another panel."""
         self._panels.walk(self.state, by)
         self.paint()
 

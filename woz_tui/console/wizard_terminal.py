@@ -130,7 +130,6 @@ class WizardDriver(LinuxDriver):
         self._releases = holds
 
     def stop_application_mode(self) -> None:
-        """Give the terminal back."""
         self.disable_input()
         self.restore()
 

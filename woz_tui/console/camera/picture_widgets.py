@@ -84,7 +84,6 @@ class PictureView(Widget):
         return self.line(y)
 
     def line(self, y: int) -> Strip:
-        """What line `y` shows."""
         raise NotImplementedError
 
 
@@ -103,7 +102,6 @@ class HalfBlockView(PictureView):
 
     @property
     def canvas(self) -> HalfBlockCanvas:
-        """What the cells show."""
         return self._canvas
 
     def wanted_size(self, allowance: int) -> tuple[int, int]:
@@ -272,7 +270,6 @@ class SixelView(SentView):
             self.app.refresh()
 
     def line(self, y: int) -> Strip:
-        """Blanks."""
         return Strip.blank(self.size.width)
 
     def displayed(self, update: RenderableType | None) -> None:

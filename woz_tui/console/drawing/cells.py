@@ -148,7 +148,6 @@ class Cells(Widget):
 
     @property
     def rows(self) -> list[Row]:
-        """What is shown."""
         return self._rows
 
     @property

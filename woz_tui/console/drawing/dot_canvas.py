@@ -39,7 +39,6 @@ class DotCanvas:
         self._bits: dict[str, dict[Dot, int]] = {name: {} for name in layers}
 
     def dot(self, x: int, y: int, layer: str) -> None:
-        """Set one dot."""
         cell = (x // ACROSS, y // DOWN)
         if 0 <= cell[0] < self.width and 0 <= cell[1] < self.height:
             bits = self._bits[layer]

@@ -51,7 +51,6 @@ def name_piece(name: str, frame: MeterFrame) -> Piece:
 
 
 def meter_row(name: str, body: Row, value: str, look: str, frame: MeterFrame) -> Row:
-    """A whole row."""
     shown = fit(value, frame.value, frame.glyphs.ellipsis)
     return (name_piece(name, frame), *body, (f" {shown} ", look))
 

@@ -75,7 +75,6 @@ class RobotRequests:
         self._waiting[ref], self._watching[ref] = refused, show
 
     def pictured(self, shown: PictureShown) -> None:
-        """A picture came."""
         self._waiting.pop(shown.ref, None)
         show = self._watching.pop(shown.ref, None)
         if show is not None:

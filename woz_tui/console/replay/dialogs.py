@@ -117,11 +117,9 @@ class CodeDialog(_PausesReplay, SearchDialog[str]):
         return list(dict.fromkeys([typed, *found])) if typed else found
 
     def line(self, item: str) -> Content:
-        """The code."""
         return Content(clean(item))
 
     def chose(self, item: str | None, typed: str) -> None:
-        """Set it."""
         text = item or typed.strip()
         if text:
             self.requests.ask(AskMarker(text=text))

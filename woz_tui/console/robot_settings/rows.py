@@ -78,7 +78,6 @@ def settings_rows(view: RobotView, place: ListPosition, frame: PaintFrame) -> li
 
 
 def list_room(frame: PaintFrame) -> int:
-    """Rows for the list."""
     return max(1, frame.height - sum(_sentences(frame)) - 2)
 
 

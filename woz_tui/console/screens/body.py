@@ -17,11 +17,9 @@ class BodyDialog(DrawingDialog):
     hint = "keys play · tab: the next one · ctrl+q closes"
 
     def count(self) -> int:
-        """Bodies of the session."""
         return len(body_outlines(self.state.outlines))
 
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
-        """The chosen body."""
         return full_rows(body_views(self.state, frame.now, frame.glyphs)[chosen], frame)
 
     def nothing(self) -> str:

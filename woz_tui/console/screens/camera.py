@@ -74,12 +74,10 @@ class CameraDialog(Dialog):
         yield middle
 
     def on_mount(self) -> None:
-        """Begin to watch."""
         self._lay_out()
         self.set_interval(_LOOK_S, self._request_picture)
 
     def on_resize(self) -> None:
-        """Take the new size."""
         self._lay_out()
 
     # -- its place ---------------------------------------------------------------------------

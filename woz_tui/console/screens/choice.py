@@ -42,7 +42,6 @@ class ChoiceDialog(Dialog):
         raise NotImplementedError
 
     def body(self) -> Iterable[Widget]:
-        """Explanation and list."""
         if lines := self.lines():
             yield Static(content([*lines, ()]))
         self._offers = self.choices()
@@ -83,7 +82,6 @@ class ConfirmDialog(ChoiceDialog):
         self._question, self._label, self._do = question, name, do
 
     def lines(self) -> list[Row]:
-        """The question."""
         return [((self._question, "strong"),)]
 
     def choices(self) -> Sequence[ListChoice]:
@@ -111,7 +109,6 @@ class SearchDialog(EntryDialog, Generic[T]):
         raise NotImplementedError
 
     def line(self, item: T) -> Content:
-        """One of them."""
         raise NotImplementedError
 
     def chose(self, item: T | None, typed: str) -> None:
@@ -123,7 +120,6 @@ class SearchDialog(EntryDialog, Generic[T]):
         return 0
 
     def on_mount(self) -> None:
-        """All there is."""
         if self.there:
             self.changed("")
 
@@ -160,7 +156,6 @@ class SearchDialog(EntryDialog, Generic[T]):
             self._list.highlighted = around
 
     def accept(self, typed: str) -> None:
-        """Take what is chosen."""
         if self.shown or not self.nothing:
             self._choose(self._list.highlighted)
 

@@ -212,17 +212,14 @@ class Dialog(PartialScreen[None], ModalScreen[None]):
 
     @property
     def requests(self) -> RobotRequests:
-        """Requests and drafts."""
         return self.console_app.requests
 
     @property
     def state(self) -> ConsoleState:
-        """What is known."""
         return self.console_app.state
 
     @property
     def glyphs(self) -> Glyphs:
-        """The terminal's signs."""
         return self.console_app.look.glyphs
 
     @property
@@ -300,7 +297,6 @@ class WrappedRows(Visual):
         return content(self._rows).get_optimal_width(rules, container_width)
 
     def get_height(self, rules: RulesMap, width: int) -> int:
-        """Lines at this width."""
         return self._at(width).get_height(rules, width)
 
 
@@ -311,7 +307,6 @@ class ReportDialog(Dialog):
     indent: ClassVar[int] = 0
 
     def body(self) -> Iterable[Widget]:
-        """One text that scrolls."""
         yield VerticalScroll(Static(WrappedRows(self.lines(), self.indent), id="report"))
 
     def lines(self) -> list[Row]:
@@ -362,7 +357,6 @@ class EntryDialog(Dialog):
         return type(self).__name__
 
     def body(self) -> Iterable[Widget]:
-        """The field, then `below`."""
         yield Input(
             self.requests.drafts.get(self.draft, ""),
             placeholder=self.placeholder,
@@ -384,7 +378,6 @@ class EntryDialog(Dialog):
 
     @property
     def entry(self) -> Input:
-        """The text field."""
         return self.query_one("#entry", Input)
 
     def closing(self) -> None:
@@ -408,7 +401,6 @@ class EntryDialog(Dialog):
         self.entry.cursor_position = len(text) if caret is None else caret
 
     def on_input_changed(self, event: Input.Changed) -> None:
-        """Follow what is typed."""
         event.stop()
         if self.there:
             self.changed(event.value)
@@ -467,7 +459,6 @@ class CompletionDialog(EntryDialog):
             self.action_other()
 
     def action_other(self) -> None:
-        """Take the next robot."""
         robots = self.robots
         if robots:
             at = robots.index(self.robot) + 1 if self.robot in robots else 0

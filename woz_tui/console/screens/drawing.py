@@ -45,7 +45,6 @@ class DrawingDialog(Dialog):
         raise NotImplementedError
 
     def on_key(self, event: events.Key) -> None:
-        """Choose another one."""
         by = (event.key == _NEXT) - (event.key == _BACK)
         if by:
             event.stop()
@@ -53,7 +52,6 @@ class DrawingDialog(Dialog):
             self.refreshed()
 
     def refreshed(self) -> None:
-        """Draw what has changed."""
         for cells in self.query("#drawing").results(Cells):
             frame = cells.frame(self.now, self.glyphs)
             if count := self.count():

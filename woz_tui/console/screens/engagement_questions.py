@@ -118,7 +118,6 @@ class IdentityDialog(_OverrideDialog, EntryDialog):
             yield Static(content([((f"known: {told}", "muted"),)]), classes="caption")
 
     def submit(self, text: str) -> None:
-        """Say it."""
         self.requests.ask(verb_request("sense", {"sign": "identity", "value": text}, self._key))
 
 

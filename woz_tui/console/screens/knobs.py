@@ -20,7 +20,6 @@ class KnobsDialog(DrawingDialog):
     hint = "keys play · tab: the next panel · ctrl+q closes"
 
     def count(self) -> int:
-        """Panels of the session."""
         return len(panel_outlines(self.state.outlines))
 
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:

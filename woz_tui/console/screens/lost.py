@@ -105,7 +105,6 @@ class EndedDialog(ChoiceDialog):
         ]
 
     def choices(self) -> Sequence[ListChoice]:
-        """Look on, or leave."""
         return _leaving(self, "ended")
 
 

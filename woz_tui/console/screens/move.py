@@ -59,7 +59,6 @@ class MoveDialog(CompletionDialog):
         return next(iter(names_beginning(typed, self._names)), None) if typed else None
 
     def changed(self, typed: str) -> None:
-        """Show what matches."""
         found = [name for name in names_containing(typed, self._names) if name != typed]
         taken = best_match(typed, self._names) if typed else ""
         rows: list[Row] = [
@@ -77,7 +76,6 @@ class MoveDialog(CompletionDialog):
         self.update("matches", content(rows))
 
     def submit(self, text: str) -> None:
-        """Play it."""
         key = self.console_app.key_of("move")
         self.requests.move(best_match(text, self._names), self.robot, key)
 
@@ -88,5 +86,4 @@ class MoveDialog(CompletionDialog):
 
     @property
     def history(self) -> Sequence[str]:
-        """What was played before."""
         return self.requests.moved

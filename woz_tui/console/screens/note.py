@@ -16,8 +16,6 @@ class NoteDialog(EntryDialog):
     placeholder = "what you saw (codes, no names)"
 
     def submit(self, text: str) -> None:
-        """Send it."""
-
         def answered(reply: Reply) -> None:
             if not reply.ok:
                 self.requests.drafts[self.draft] = self.requests.drafts.get(self.draft) or text

@@ -139,7 +139,6 @@ class PreflightDialog(ReportDialog):
         return Option(Content.assemble((f"{sign} ", look), clean(check)))
 
     def on_mount(self) -> None:
-        """Ask at once."""
         self._look_again()
         if self._shown:
             self.show_hint(TICKING)

@@ -25,7 +25,6 @@ class ReloadDialog(ReportDialog):
         self._ready = False
 
     def on_mount(self) -> None:
-        """Ask for the differences."""
         self.requests.ask(AskReload(dry_run=True), self._compared)
 
     def _compared(self, reply: Reply) -> None:
@@ -44,7 +43,6 @@ class ReloadDialog(ReportDialog):
         self.renew()
 
     def lines(self) -> list[Row]:
-        """Differences or errors."""
         return self._rows
 
     def action_apply(self) -> None:

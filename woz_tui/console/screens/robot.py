@@ -120,7 +120,6 @@ class RobotDialog(DrawingDialog):
         yield Swatches(id="drawing")
 
     def count(self) -> int:
-        """Robots of the session."""
         return len(self.state.robot_outlines)
 
     def nothing(self) -> str:
@@ -131,7 +130,6 @@ class RobotDialog(DrawingDialog):
         return f"{whose}no settings to change here.\n{key} says how each driver is."
 
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
-        """The chosen robot."""
         self._hand.settle(frame.now)
         driver, outline = list(self.state.robot_outlines.items())[chosen]
         view = self._viewer.see(driver, outline, frame.now)
@@ -215,7 +213,6 @@ class RobotDialog(DrawingDialog):
             self.console_app.open_dialog(ValueDialog(self, self._driver, line, now))
 
     def typed(self, driver: str, line: SettingLine, value: Json) -> None:
-        """A value was typed."""
         if self._viewer.locked(driver, line):
             return
         self._change(line, value, driver)

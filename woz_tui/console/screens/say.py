@@ -139,12 +139,10 @@ class SayDialog(CompletionDialog):
         self._show_matches()
 
     def submit(self, text: str) -> None:
-        """Say it."""
         voice = "" if self.robots == [self.robot] else self.robot
         self.requests.say(text, voice, self.console_app.key_of("say"))
 
     def action_complete(self) -> None:
-        """Take what is suggested."""
         begun, _ = self._offers(self.entry.value, self.entry.cursor_position)
         whole, caret = self.completed(self.entry.value, self.entry.cursor_position)
         if whole is not None:
@@ -161,5 +159,4 @@ class SayDialog(CompletionDialog):
 
     @property
     def history(self) -> Sequence[str]:
-        """What was said before."""
         return self.requests.history

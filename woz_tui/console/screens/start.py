@@ -77,12 +77,10 @@ class ConditionList(RadioSet):
         self._pressed_button = self._selected = None
 
     def action_next_button(self) -> None:
-        """Choose the next one."""
         super().action_next_button()
         self._choose()
 
     def action_previous_button(self) -> None:
-        """Choose the one before."""
         super().action_previous_button()
         self._choose()
 
@@ -215,7 +213,6 @@ class StartDialog(FormDialog):
     # -- accepting ------------------------------------------------------------------------------
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Accept everything at once."""
         event.stop()
         self.accept()
 

@@ -150,7 +150,6 @@ class ConsoleState:
 
     @property
     def settings(self) -> WelcomeSettings:
-        """The experiment's."""
         return self.plan.settings
 
     @property

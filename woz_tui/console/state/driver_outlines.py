@@ -132,12 +132,10 @@ _READERS = {"body": _body, "panel": _panel}
 
 
 def body_outlines(outlines: Mapping[str, Outline]) -> list[BodyOutline]:
-    """The bodies among them."""
     return [outline for outline in outlines.values() if isinstance(outline, BodyOutline)]
 
 
 def panel_outlines(outlines: Mapping[str, Outline]) -> list[PanelOutline]:
-    """The panels among them."""
     return [outline for outline in outlines.values() if isinstance(outline, PanelOutline)]
 
 

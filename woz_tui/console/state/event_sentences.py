@@ -61,9 +61,7 @@ class EventContext(Protocol):
     """What sentences need to know of the console's state."""
 
     @property
-    def drivers(self) -> Mapping[str, DriverView]:
-        """Health by driver."""
-        ...
+    def drivers(self) -> Mapping[str, DriverView]: ...
 
     @property
     def keeps(self) -> bool:
@@ -81,9 +79,7 @@ class EventContext(Protocol):
         ...
 
     @property
-    def session(self) -> SessionState:
-        """What holds."""
-        ...
+    def session(self) -> SessionState: ...
 
     @property
     def study(self) -> StudyView:

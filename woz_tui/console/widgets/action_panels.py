@@ -489,7 +489,6 @@ class ActionPanels(Cells):
                 self.board = self.board.at(slot.page, arranged, slot.panel)
 
     def bear(self, caps: Mapping[str, KeyCap]) -> None:
-        """Show these key caps."""
         self.board = replace(self.board, caps=caps)
 
     def press(self, action: str) -> None:

@@ -68,7 +68,6 @@ class ActionRow(Cells):
     keys: Mapping[str, str] = {}
 
     def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
-        """Show it."""
         self.show([action_row(state, frame, self.keys)])
 
 

@@ -218,7 +218,6 @@ class MainScreen:
     def paint(
         self, state: ConsoleState, screen: PaintFrame, line: StatusInfo, bar: BarInfo
     ) -> None:
-        """Show what has changed."""
         now, glyphs = screen.now, screen.glyphs
         self.status.paint(state, self.status.frame(now, glyphs), line)
         for board in self.boards:

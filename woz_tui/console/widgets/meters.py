@@ -441,8 +441,6 @@ def _engagement(state: ConsoleState, frame: MeterFrame) -> list[Row]:
 
 
 class Meters(Cells):
-    """The meters."""
-
     #: Lines they would like to have; never less than before, so that nothing jumps back.
     needs = 1
 

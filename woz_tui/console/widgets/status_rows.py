@@ -310,8 +310,6 @@ def present_row(state: ConsoleState, frame: PaintFrame, cells: int) -> Row:
 
 
 class StatusLines(Cells):
-    """The status line."""
-
     def paint(self, state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> None:
         """Show the state of the session."""
         self.show(status_rows(state, frame, line))

@@ -71,7 +71,6 @@ class TrialDialog(Dialog):
         return [*rows, ()]
 
     def refreshed(self) -> None:
-        """The time goes on."""
         stood = trial_status(self.state.session.study, self.now)
         if stood != self._stood:
             self._stood = stood
@@ -94,7 +93,6 @@ class TrialDialog(Dialog):
             self.show_hint(f"{clean(event.character)} does nothing here; press {letters}")
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """So does enter."""
         event.stop()
         self._begin_step(self._steps[event.option_index])
 
@@ -113,7 +111,6 @@ class TrialDialog(Dialog):
         self.show_hint(f"{step.text}: enter does it · ctrl+q leaves it")
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
-        """The word is there."""
         event.stop()
         if self._asking is not None:
             self.leave()

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from rich.cells import cell_len, set_cell_size
 
-from woz_tui.console.drawing.cells import Cells, Piece, Row, clean, cut, fit, fit_most
+from woz_tui.console.drawing.cells import Cells, Row, clean, cut, fit, fit_most
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.key_caps import KeyCap, caption
 from woz_tui.console.drawing.number_text import time_left
@@ -319,33 +319,47 @@ def _slot(
     *,
     said: Mapping[str, str],
 ) -> Row:
-    panel = state.front[slot.panel]
-    if slot.action is None:
+    """A panel's title, or an action: key cap, glyph, label, what is said where there is room, and
+    a word; while it runs, the ground behind them is the time left.
+    """
+    panel, action, glyphs = state.front[slot.panel], slot.action, frame.glyphs
+    if action is None:
         return _title(state, slot, frame, slot.panel == board.chosen)
-    standing = state.button_view(panel, slot.action, frame.now)
+    standing = state.button_view(panel, action, frame.now)
+    ready = standing.state is ButtonState.READY
     dim = state.session.stop is not None or bool(state.lost)
-    look = "muted" if dim and standing.state is ButtonState.READY else _LOOK[standing.state]
-    key = caption(board.caps.get(slot.action.name, KeyCap(slot.action.key)), frame.glyphs)
-    keylook = "flash" if board.pressed == slot.action.name else "key" if key else "plain"
-    word = "" if _said_above(state, panel, standing.state) else _word(standing)
-    if without := [what for what in slot.action.without if "." not in what]:
+    look = "muted" if dim and ready else _LOOK[standing.state]
+    word = _word(state, panel, standing)
+    if without := [what for what in action.without if "." not in what]:
         word = word or f"no {', '.join(without)}"
-        if not slot.action.verbs and standing.state is ButtonState.READY:
+        if not action.verbs and ready:
             look = "muted"
-    room = frame.width - cap - 1
-    texts = clean(slot.action.label), said.get(slot.action.name, "")
-    body = _body(texts, standing, (word, look), room, frame.glyphs)
-    key = fit_most(key, cap - 1, frame.glyphs.ellipsis)
+    key = caption(board.caps.get(action.name, KeyCap(action.key)), glyphs)
+    keylook = "flash" if board.pressed == action.name else "key" if key else "plain"
+    key = fit_most(key, cap - 1, glyphs.ellipsis)
     before = (cap - cell_len(key)) // 2
     key = " " * before + key + " " * (cap - before - cell_len(key))
+    label, words = clean(action.label), said.get(action.name, "")
+    room = frame.width - cap - 1
+    spare = room - 2 - cell_len(label)
+    timed = standing.state in (ButtonState.RUNNING, ButtonState.HELD)
+    shown = f" {word} " if word else " "
+    if not (word if timed else spare > cell_len(word) + 1):
+        shown = ""
+    left_over = spare - 2 - cell_len(shown)
+    beside = ""
+    if words and left_over >= FEW_WORDS:
+        beside = f"  {fit(words, left_over, glyphs.ellipsis)}"
+    sign = " " if ready else str(getattr(glyphs, standing.state.value))
+    width = room - 2 - cell_len(shown) - cell_len(beside)
+    front = f"{sign} {fit(label, width, glyphs.ellipsis)}"
+    body: Row = ((front, look), (beside, "muted"), (shown, look))
+    if timed and standing.share is not None:
+        text = f"{front}{beside}{shown}"
+        filled = round((1 - standing.share) * room)
+        gone = set_cell_size(text, filled)
+        body = ((gone, "fill"), (set_cell_size(text[len(gone) :], room - filled), look))
     return ((key, keylook), (" ", "plain"), *body)
-
-
-def _said_above(state: ConsoleState, panel: PanelView, button: ButtonState) -> bool:
-    """Whether the title or the status line has the word that would stand on every line here."""
-    if button is ButtonState.LOCKED:
-        return state.is_locked(panel) or state.is_of_others(panel)
-    return button is ButtonState.UNREACHABLE and len(state.drivers) == 1
 
 
 def _title(state: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> Row:
@@ -370,34 +384,8 @@ def _title(state: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> 
     return ((mark, "title"), (title, "title"), (note, "muted"), (" ", "plain"), (rule, "faint"))
 
 
-def _body(
-    texts: tuple[str, str], standing: ButtonView, how: Piece, room: int, glyphs: Glyphs
-) -> tuple[Piece, ...]:
-    """Glyph, label, what is said where there is room, and word; while it runs, the ground behind
-    them is the time left.
-    """
-    (label, said), (word, look) = texts, how
-    glyph = (
-        " " if standing.state is ButtonState.READY else str(getattr(glyphs, standing.state.value))
-    )
-    spare = room - 2 - cell_len(label)
-    timed = standing.state in (ButtonState.RUNNING, ButtonState.HELD)
-    shown = f" {word} " if word else " "
-    if not (word if timed else spare > cell_len(word) + 1):
-        shown = ""
-    left_over = room - 4 - cell_len(label) - cell_len(shown)
-    beside = f"  {fit(said, left_over, glyphs.ellipsis)}" if said and left_over >= FEW_WORDS else ""
-    width = room - 2 - cell_len(shown) - cell_len(beside)
-    front = f"{glyph} {fit(label, width, glyphs.ellipsis)}"
-    if not timed or standing.share is None:
-        return ((front, look), (beside, "muted"), (shown, look))
-    text = f"{front}{beside}{shown}"
-    filled = round((1 - standing.share) * room)
-    front = set_cell_size(text, filled)
-    return ((front, "fill"), (set_cell_size(text[len(front) :], room - filled), look))
-
-
-def _word(standing: ButtonView) -> str:
+def _word(state: ConsoleState, panel: PanelView, standing: ButtonView) -> str:
+    """How an action stands; nothing where the title or the status line says it for all."""
     match standing.state:
         case ButtonState.READY | ButtonState.DONE:
             return ""
@@ -405,10 +393,12 @@ def _word(standing: ButtonView) -> str:
             return "" if standing.left_us is None else time_left(standing.left_us)
         case ButtonState.HELD:
             return f"waits {time_left(standing.left_us or 0)}"
+        case ButtonState.LOCKED if state.is_locked(panel) or state.is_of_others(panel):
+            return ""
         case ButtonState.UNREACHABLE:
-            return f"no {standing.note}"
-        case state:
-            return _WORDS.get(state, str(state.value))
+            return "" if len(state.drivers) == 1 else f"no {standing.note}"
+        case other:
+            return _WORDS.get(other, str(other.value))
 
 
 #: Words of states that are not called as the state is.

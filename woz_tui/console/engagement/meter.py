@@ -68,7 +68,14 @@ def block_rows(
         rows += [_single(name, shown, state, frame) for name in signs_of(shown)]
         heard.append((name_piece("heard", frame), *_transcript_row(state, frame)))
     else:
-        rows.append(_now_or_heard(state, frame, asks))
+        # What asks for the wizard now with what was just heard, or else what was heard last.
+        last = state.engaged.transcripts()[:1]
+        if asks and last and frame.now - last[0].t < HEARD_US:
+            asks += [("  ", "plain"), quoted(last[0], frame.glyphs)]
+        told = asks or _transcript_row(state, frame)
+        if [*told] == [_dash(frame)]:
+            told = [("nothing heard yet", "muted")]
+        rows.append(((" ", "plain"), *told))
         if frame.height >= MIDDLE:
             rows.append(_why(state, frame))
         rows += _pairs(state, shown, frame)
@@ -90,17 +97,6 @@ def _now(shown: m.EngagementShown, frame: MeterFrame, unheard: str) -> list[Piec
     if shown.attention not in ("", USUAL_ATTENTION):
         found += [("  ", "plain"), (clean(shown.attention), "wait")]
     return found[1:]
-
-
-def _now_or_heard(state: ConsoleState, frame: MeterFrame, now: list[Piece]) -> Row:
-    """What asks for the wizard now with what was just heard, or else what was heard last."""
-    heard = state.engaged.transcripts()
-    if now and heard and frame.now - heard[0].t < HEARD_US:
-        return ((" ", "plain"), *now, ("  ", "plain"), quoted(heard[0], frame.glyphs))
-    told = now or _transcript_row(state, frame)
-    if [*told] == [_dash(frame)]:
-        told = [("nothing heard yet", "muted")]
-    return ((" ", "plain"), *told)
 
 
 def _dash(frame: MeterFrame) -> Piece:

@@ -77,10 +77,15 @@ def diagram(state: str, way: Sequence[tuple[str, str]], glyphs: Glyphs) -> list[
             _draw(cells, line, _ASCII if glyphs.ascii else _THIN, "muted")
         else:
             _draw(cells, line, _ASCII_THICK if glyphs.ascii else _THICK, "run")
-            _head(cells, edge, glyphs)
+            _arrow(cells, edge, glyphs)
     been = {name for edge in way[:3] for name in edge}
-    for name in PLACES:
-        _name(cells, name, here=name == state, been=name in been)
+    for name, (column, y) in PLACES.items():
+        words, look = short_state(name), "plain" if name in been else "muted"
+        x = column
+        if name == state:
+            x, words, look = column - 1, f"[{words}]", "fill"
+        for offset, letter in enumerate(words):
+            cells[x + offset, y] = (letter, look)
     return [
         merge_pieces([cells.get((x, y), (" ", "plain")) for x in range(WIDTH)])
         for y in range(HEIGHT)
@@ -101,7 +106,7 @@ def _draw(cells: dict[Cell, Piece], line: Iterable[Cell], strokes: _Strokes, loo
         cells[x, y] = (strokes[_CORNERS.get((x, y), straight)], look)
 
 
-def _head(cells: dict[Cell, Piece], edge: tuple[str, str], glyphs: Glyphs) -> None:
+def _arrow(cells: dict[Cell, Piece], edge: tuple[str, str], glyphs: Glyphs) -> None:
     """The arrow at the end of the newest edge; a corner has none."""
     line = line_of(*edge)
     if not line or line[-1] in _CORNERS:
@@ -113,12 +118,3 @@ def _head(cells: dict[Cell, Piece], edge: tuple[str, str], glyphs: Glyphs) -> No
         below = PLACES[edge[1]][1] > y
         sign = "^v"[below] if glyphs.ascii else "↑↓"[below]
     cells[x, y] = (sign, "run")
-
-
-def _name(cells: dict[Cell, Piece], name: str, *, here: bool, been: bool) -> None:
-    x, y = PLACES[name]
-    words = short_state(name)
-    if here:
-        x, words = x - 1, f"[{words}]"
-    for offset, letter in enumerate(words):
-        cells[x + offset, y] = (letter, "fill" if here else "plain" if been else "muted")

@@ -129,7 +129,7 @@ class HandClient:
         self._slow = False
         self._faces_us = 0
         #: Runs and commands of these hands -> what was asked for.
-        self._asked: dict[str, str] = {}
+        self._requested: dict[str, str] = {}
 
     # -- the connection ------------------------------------------------------------------------
 
@@ -183,7 +183,7 @@ class HandClient:
     def _welcome(self, welcome: Welcome) -> None:
         self.welcomed = True
         self.panels = _hand_panels(welcome.settings.outlines)
-        self._asked.clear()
+        self._requested.clear()
         if not self.panels:
             self._say(
                 f"{clean(welcome.title)}: no panel for a gamepad or a Stream Deck is in its robot"
@@ -219,17 +219,17 @@ class HandClient:
             case m.Refused(command=command) | m.Failed(command=command):
                 self._explain(command, message.reason)
             case m.End(command=command):
-                self._asked.pop(command, None)
+                self._requested.pop(command, None)
             case m.ActionEnd(run=run):
-                self._asked.pop(run, None)
+                self._requested.pop(run, None)
 
     def _remember(self, source: str, panel: str, run: str, what: str) -> None:
         kinds = {hand.device.kind for hand in self.hands if panel in ("", hand.panel)}
         if source in kinds:
-            self._asked[run] = what
+            self._requested[run] = what
 
     def _explain(self, run: str, reason: str) -> None:
-        what = self._asked.pop(run, "")
+        what = self._requested.pop(run, "")
         if what:
             self._say(f"{clean(what)}: {clean(reason)}")
 

@@ -78,14 +78,14 @@ def _arranged(seen: BodyView, frame: PaintFrame) -> list[Row]:
     face = face_rows(seen, glyphs, compact=True)
     view = width - columns - WORDS - 2 * GAP
     if view >= VIEW[0]:
-        side = _drawn(seen, {SIDE: (view, height)}, glyphs)[SIDE]
+        side = _view_blocks(seen, {SIDE: (view, height)}, glyphs)[SIDE]
         words_beside = word_rows(seen, glyphs, WORDS, height)
         blocks = [(face, columns), (side, view), (words_beside, WORDS)]
         return side_by_side(blocks, height, glyphs, GAP)
     rows = [*face, *short_rows(seen, glyphs)]
     spare = height - len(rows)
     if spare >= VIEW[1] and width >= VIEW[0]:
-        rows += _drawn(seen, {SIDE: (width, spare)}, glyphs)[SIDE]
+        rows += _view_blocks(seen, {SIDE: (width, spare)}, glyphs)[SIDE]
     return rows
 
 
@@ -111,7 +111,7 @@ def view_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[R
         return []
     above = max(VIEW[0], (width - GAP) * 2 // 5)
     side = width - GAP - above
-    drawn = _drawn(seen, {SIDE: (side, lines), ABOVE: (above, lines)}, glyphs)
+    drawn = _view_blocks(seen, {SIDE: (side, lines), ABOVE: (above, lines)}, glyphs)
     front = ", front " if above >= CAPTION else " "
     captions: Row = (
         (fit(f"side{front}{glyphs.next}", side + GAP, glyphs.ellipsis), "muted"),
@@ -123,7 +123,7 @@ def view_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[R
     ]
 
 
-def _drawn(
+def _view_blocks(
     seen: BodyView, sizes: dict[str, tuple[int, int]], glyphs: Glyphs
 ) -> dict[str, list[Row]]:
     if "joints" in seen.hidden:

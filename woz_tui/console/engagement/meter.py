@@ -57,7 +57,7 @@ def block_rows(
     segment = None if lost else state.engaged.speaking(frame.now)
     speech = "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
     loud = loudness(state, frame, speech)
-    asks = _now(shown, frame, "" if loud else speech)
+    asks = _attention_pieces(shown, frame, "" if loud else speech)
     row = state_row(state.engaged, shown, frame.now, frame.glyphs, frame.width - 1, lost=lost)
     attempt = f" attempt {shown.attempt}" if shown.attempt else ""
     rows: list[Row] = [((" ", "plain"), *row, (attempt, "muted"))]
@@ -86,7 +86,7 @@ def block_rows(
 # -- state, waiting, path, why ------------------------------------------------------------------
 
 
-def _now(shown: m.EngagementShown, frame: MeterFrame, unheard: str) -> list[Piece]:
+def _attention_pieces(shown: m.EngagementShown, frame: MeterFrame, unheard: str) -> list[Piece]:
     """What asks for the wizard at this moment; `unheard`: speech that no other row has."""
     glyphs = frame.glyphs
     found: list[Piece] = []

@@ -122,7 +122,7 @@ class ExitHandler:
         run_aside(self._tell_away)
         self._terminal.pause()
         self._sleep()
-        self._back()
+        self._take_again()
         self._suspended = False
 
     def _on_continue(self, number: int, frame: FrameType | None) -> None:
@@ -131,7 +131,7 @@ class ExitHandler:
             return
         self._suspended = True
         self._terminal.pause()
-        self._back()
+        self._take_again()
         self._suspended = False
 
     def _sleep(self) -> None:
@@ -151,7 +151,7 @@ class ExitHandler:
         self._line.leave()
         self._feed.ask(Beat(line_ok=False))
 
-    def _back(self) -> None:
+    def _take_again(self) -> None:
         self._line.reset()
         run_aside(self._feed.ask, Beat(line_ok=True))
         self._terminal.resume()

@@ -54,7 +54,7 @@ BURST, PASTED = 3, 8
 REPEATS_AFTER_SILENCE, REPEATS = 10, 30
 
 
-class Asked(NamedTuple):
+class Moment(NamedTuple):
     """When something was asked; the machine may have slept since."""
 
     now_us: int
@@ -75,8 +75,8 @@ class TerminalMonitor:
         #: Whether this terminal has ever answered: one that does not is not dead for that.
         self._answers = False
         #: The question that is out; and when it was asked who it is, of what is unanswered.
-        self._asked: Asked | None = None
-        self._unknown: deque[Asked] = deque()
+        self._question_at: Moment | None = None
+        self._unknown: deque[Moment] = deque()
         #: What comes now was typed after this.
         self._since = self._moment()
         self.reset()
@@ -101,7 +101,7 @@ class TerminalMonitor:
         self._hurried = False
         self._first_us: int | None = None
         self._due_us = asked.now_us
-        if self._asked is not None:
+        if self._question_at is not None:
             self._due_us += round(self._every_s * 1_000_000)
         self._keys_us = self._awake_us = asked.boot_us
         self._gap_us = 0
@@ -123,22 +123,22 @@ class TerminalMonitor:
     def _every_s(self) -> float:
         return min(EVERY_S, self._feed.stale_after_s / TIMES)
 
-    def _moment(self) -> Asked:
-        return Asked(self._clock.now_us(), self._clock.boot_us())
+    def _moment(self) -> Moment:
+        return Moment(self._clock.now_us(), self._clock.boot_us())
 
     # -- questions --------------------------------------------------------------------------------
 
     @property
     def question_in_s(self) -> float:
         """Seconds until the next question is due; 0 or less: now."""
-        if self._hurried and self._asked is None:
+        if self._hurried and self._question_at is None:
             return 0.0
         return (self._due_us - self._clock.now_us()) / 1_000_000
 
     @property
     def question(self) -> str:
         """What is to be asked next."""
-        return QUESTION if self._asked is None else OTHER_QUESTION
+        return QUESTION if self._question_at is None else OTHER_QUESTION
 
     def hurry(self) -> None:
         """Ask as soon as no question is out: somebody wants to know when all has been taken."""
@@ -153,8 +153,8 @@ class TerminalMonitor:
     def question_sent(self) -> None:
         """`question` went out just now."""
         asked = self._moment()
-        if self._asked is None:
-            self._asked = asked
+        if self._question_at is None:
+            self._question_at = asked
         else:
             self._unknown.append(asked)
         self._wait_for_answer(asked.now_us)
@@ -177,7 +177,7 @@ class TerminalMonitor:
 
     def answered(self) -> None:
         """The terminal answered the question: what comes behind was typed after it was asked."""
-        asked, self._asked = self._asked, None
+        asked, self._question_at = self._question_at, None
         if asked is None:
             return
         while self._unknown and self._unknown[0] <= asked:
@@ -193,13 +193,13 @@ class TerminalMonitor:
         if not self._unknown:
             return
         asked = self._unknown.popleft()
-        if self._asked is not None and self._asked < asked:
-            self._asked = None
+        if self._question_at is not None and self._question_at < asked:
+            self._question_at = None
         self._since = max(self._since, asked)
-        if self._asked is None:
+        if self._question_at is None:
             self._confirm(asked)
 
-    def _confirm(self, asked: Asked) -> None:
+    def _confirm(self, asked: Moment) -> None:
         now = self._clock.now_us()
         took_us = now - asked.now_us
         self._since = max(self._since, asked)

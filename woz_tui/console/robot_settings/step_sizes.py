@@ -27,13 +27,13 @@ class ArrowSteps:
 
     def __init__(self, keyboard: Keyboard) -> None:
         self._keyboard = keyboard
-        self._told: Mapping[str, float] = {}
+        self._of_file: Mapping[str, float] = {}
 
     def adopt(self, told: Mapping[str, float]) -> None:
         """Take the experiment file's steps; the same ones again keep the wizard's changes."""
-        if told == self._told:
+        if told == self._of_file:
             return
-        self._told = told
+        self._of_file = told
         for setting in STEPS:
             value = told.get(setting.name)
             if value is not None and setting.low <= value <= setting.high:  # NaN is not

@@ -133,7 +133,7 @@ class SettingViewer:
         if read and not stale and setting.name in robot.wanted:
             wanted = value_text(setting, robot.wanted[setting.name], glyphs)
         old = stale and line.kind is not LineKind.STEP
-        signs, sentences = self._trouble(driver, line, text, wanted)
+        signs, sentences = self._signs_and_sentences(driver, line, text, wanted)
         return LineView(
             setting.section,
             label,
@@ -145,7 +145,7 @@ class SettingViewer:
             about=(*sentences, *self._about(line)),
         )
 
-    def _trouble(
+    def _signs_and_sentences(
         self, driver: str, line: SettingLine, text: str, wanted: str
     ) -> tuple[list[Piece], list[Piece]]:
         """Signs behind a line: locked; else: asked for, otherwise than wanted, refused. And what

@@ -159,7 +159,7 @@ class CameraDialog(Dialog):
         watching, view = self._watching, self._view
         if watching is None or view is None:
             return ((REPLAY if self.state.role == "replay" else OFF, "muted"),)
-        trouble = self._trouble(watching)
+        trouble = self._why_no_picture(watching)
         if watching.last is None:
             return ((trouble or "waiting for the first picture", "warn" if trouble else "muted"),)
         name: Row = ((f"{clean(watching.camera)} ", "title"),)
@@ -173,7 +173,7 @@ class CameraDialog(Dialog):
             words.insert(0, f"{cameras.index(watching.camera) + 1}/{len(cameras)}")
         return (*name, (f" {self.glyphs.middle} ".join(words), "muted"))
 
-    def _trouble(self, watching: PictureRequester) -> str:
+    def _why_no_picture(self, watching: PictureRequester) -> str:
         """Why there are no pictures, as far as anybody knows."""
         if self.state.lost:
             return self.state.lost.part.sentence

@@ -279,7 +279,7 @@ class WrappedRows(Visual):
         self._rows, self._indent = tuple(rows), indent
         self._last: tuple[int, Content] | None = None
 
-    def _at(self, width: int) -> Content:
+    def _text_for(self, width: int) -> Content:
         """The text for this width; asked for several times in a row."""
         if self._last is None or self._last[0] != width:
             rows = [part for row in self._rows for part in wrap_row(row, self._indent, width)]
@@ -290,14 +290,14 @@ class WrappedRows(Visual):
         self, width: int, height: int | None, style: Style, options: RenderOptions
     ) -> list[Strip]:
         """As `Content` does."""
-        return self._at(width).render_strips(width, height, style, options)
+        return self._text_for(width).render_strips(width, height, style, options)
 
     def get_optimal_width(self, rules: RulesMap, container_width: int) -> int:
         """Each row on one line."""
         return content(self._rows).get_optimal_width(rules, container_width)
 
     def get_height(self, rules: RulesMap, width: int) -> int:
-        return self._at(width).get_height(rules, width)
+        return self._text_for(width).get_height(rules, width)
 
 
 class ReportDialog(Dialog):

@@ -62,6 +62,6 @@ def test_a_press_its_command_and_what_waited_ask(tmp_path: Path) -> None:
         with asked() as found:
             rig.session.play("Hello", script)
             await asyncio.sleep(2)  # the first one is over, and the second one's turn has come
-        assert found == ["Session.play", *command, "Session._no_action"]
+        assert found == ["Session.play", *command, "Session._why_no_action"]
 
     SessionRig(tmp_path).run(scenario)

@@ -120,11 +120,9 @@ class PendingCommand:
 class LaneJob:
     """What the driver sees of a command (`drivers.contract.Job`)."""
 
-    def __init__(
-        self, pending: PendingCommand, args: Mapping[str, Json], extend: Callable[[float], None]
-    ) -> None:
+    def __init__(self, pending: PendingCommand, args: Mapping[str, Json], lane: Lane) -> None:
         self._pending = pending
-        self._extend = extend
+        self._lane = lane
         #: See `drivers.contract.Job`.
         self.command = pending.command.command
         self.verb = pending.verb.name
@@ -136,7 +134,6 @@ class LaneJob:
         #: Whether its motion goes on after `perform`, and why it has ended; None: it has not.
         self.outlasts = False
         self.motion_end: str | None = None
-        self.on_motion_end: Callable[[LaneJob], None] = lambda job: None
         #: On what its end stands, or that of its motion.
         self.evidence_said: str = pending.verb.evidence
 
@@ -152,7 +149,7 @@ class LaneJob:
     def _end_motion(self, why: str) -> None:
         if self.motion_end is None:
             self.motion_end = why
-            self.on_motion_end(self)
+            self._lane.job_motion_ended(self._pending, self)
 
     def mark(self, sort: str, text: str = "") -> None:
         """Publish a point within it; may be called from any thread."""
@@ -191,7 +188,7 @@ class LaneJob:
                 tells=self.tells,
             )
         )
-        self._extend(seconds)
+        self._lane.extend(self._pending, seconds)
 
 
 class Lane:
@@ -310,7 +307,7 @@ class Lane:
         given = pending.verb.spoken(args)
         if not self._driver.elsewhere:
             given = located(pending.verb, given, self._folder)
-        job = LaneJob(pending, given, lambda seconds: self._extend(pending, seconds))
+        job = LaneJob(pending, given, self)
         call = DriverCall(self.driver_name, f"perform {job.verb}")
         task = loop.create_task(guarded(lambda: self._driver.perform(job), call))
         self._task = task
@@ -324,7 +321,7 @@ class Lane:
         timer = asyncio.get_running_loop().call_later(limit_s, self._overrun, pending, limit_s)
         pending.timers[:] = [timer]
 
-    def _extend(self, pending: PendingCommand, seconds: float) -> None:
+    def extend(self, pending: PendingCommand, seconds: float) -> None:
         """A job that says how long it takes is not cut off before that, with a margin."""
         needed = seconds * EXPECTED_FACTOR + EXPECTED_MARGIN_S
         if pending.end is None and needed > pending.command.limit_s:
@@ -398,11 +395,10 @@ class Lane:
         if not job.outlasts:
             self._motion_ended(pending, "", evidence=job.evidence_said)
         elif job.motion_end is not None:
-            self._job_motion_ended(pending, job)
-        else:
-            job.on_motion_end = functools.partial(self._job_motion_ended, pending)
+            self.job_motion_ended(pending, job)
 
-    def _job_motion_ended(self, pending: PendingCommand, job: LaneJob) -> None:
+    def job_motion_ended(self, pending: PendingCommand, job: LaneJob) -> None:
+        """The motion of a job is over; what is not done yet hears of it when it is."""
         why = job.motion_end or ""
         self._motion_ended(pending, why, tells=job.tells, evidence=job.evidence_said)
 

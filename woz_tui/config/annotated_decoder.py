@@ -415,7 +415,10 @@ def _united(cursor: Cursor, members: tuple[Any, ...], notes: tuple[Any, ...]) ->
         return None
     included = find_note(notes, fields.Included)
     if included is not None and isinstance(cursor.node, ScalarNode):
-        return _included(cursor, members, included.words)
+        if cursor.node.text in included.words:
+            return cursor.node.text
+        root = read_included(cursor, included.words)
+        return INVALID if root is None else _united(root, members, ())
     fitting = [kind for kind in members if _fits(cursor.node, kind)]
     fitting.sort(key=_breadth)
     if len(fitting) == 1:
@@ -429,14 +432,6 @@ def _united(cursor: Cursor, members: tuple[Any, ...], notes: tuple[Any, ...]) ->
     bracket = TEXT_WITH_BRACKET if str in members and isinstance(cursor.node, ListNode) else ""
     cursor.error(f"expected {kinds}, not {described(cursor.node)}{bracket}")
     return INVALID
-
-
-def _included(cursor: Cursor, members: tuple[Any, ...], words: Sequence[str]) -> Any:
-    """One of the words that stand for themselves, or what the file holds."""
-    if isinstance(cursor.node, ScalarNode) and cursor.node.text in words:
-        return cursor.node.text
-    root = read_included(cursor, words)
-    return INVALID if root is None else _united(root, members, ())
 
 
 def _fits(node: Node, annotation: Any) -> bool:

@@ -36,7 +36,7 @@ def fitted(experiment: Experiment) -> Experiment:
     panels = []
     for panel in playable:
         actions = tuple(map(_without_remarks, panel.actions))
-        kept = tuple(action for action in actions if _panels_of(action) <= titles)
+        kept = tuple(action for action in actions if _panels_locked_by(action) <= titles)
         if kept:
             panels.append(replace(panel, actions=kept))
     names = {action.name for panel in panels for action in panel.actions}
@@ -47,24 +47,19 @@ def fitted(experiment: Experiment) -> Experiment:
         sign for panel in panels for action in panel.actions for sign in signs_given(action)
     }
     engagement = _with_signs(experiment.engagement, given)
+    sections: dict[object, Any] = {}
+    for name, section in pieces("section", FeatureSection).items():
+        said = section.of(experiment)
+        sections[section] = answer_of(name, said, section.fitted, said, names)
     known = published | {POSE} | ({ENGAGEMENT} if engagement is not None else set())
     return replace(
         experiment,
         panels=tuple(panels),
-        sections=_sections(experiment, names),
+        sections=sections,
         sensors=tuple(name for name in experiment.sensors if name in known),
         engagement=engagement,
         warnings=(),
     )
-
-
-def _sections(experiment: Experiment, names: Collection[str]) -> dict[object, Any]:
-    """Those of features, without actions that are left out."""
-    fitted: dict[object, Any] = {}
-    for name, section in pieces("section", FeatureSection).items():
-        said = section.of(experiment)
-        fitted[section] = answer_of(name, said, section.fitted, said, names)
-    return fitted
 
 
 def _does_something(action: Action) -> bool:
@@ -72,7 +67,7 @@ def _does_something(action: Action) -> bool:
     return not action.left_out or any(call.driver not in performers() for call in action.calls)
 
 
-def _panels_of(action: Action) -> set[str]:
+def _panels_locked_by(action: Action) -> set[str]:
     """Panels that it locks or unlocks."""
     return {str(call.args["panel"]) for call in action.calls if call.verb in ("lock", "unlock")}
 

@@ -323,7 +323,15 @@ class _Composer:
             return
         self._grow(table, node)
         if key.text == "<<" and key.plain:
-            self._merge_later(top, node)
+            for base in node.nodes if isinstance(node, ListNode) else [node]:
+                if isinstance(base, MappingNode):
+                    top.merged.append(base)  # what the mapping says itself may still come
+                else:
+                    self._report.error(
+                        base.place,
+                        join(top.path, "<<"),
+                        "only a mapping can be merged in: <<: *name",
+                    )
             return
         first = table.keys.get(key.text)
         if first is not None:
@@ -333,16 +341,6 @@ class _Composer:
         if first is None or self._last_wins:
             table.keys[key.text] = key
             table.entries[key.text] = node
-
-    def _merge_later(self, top: _UnfinishedNode, node: Node) -> None:
-        bases = node.nodes if isinstance(node, ListNode) else [node]
-        for base in bases:
-            if isinstance(base, MappingNode):
-                top.merged.append(base)
-            else:
-                self._report.error(
-                    base.place, join(top.path, "<<"), "only a mapping can be merged in: <<: *name"
-                )
 
 
 # -- what the parser says --------------------------------------------------------------------------

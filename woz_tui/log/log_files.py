@@ -107,7 +107,7 @@ def files_of(path: Path, places: Iterable[Path] | None = None, *, samples: bool 
     folders = unique_paths([path.parent, *(fallback_folders() if places is None else places)])
     real = set(map(os.path.realpath, folders))
     found: dict[Path, FileName] = {}
-    known: set[tuple[str, int]] = set()
+    known: set[tuple[str, int | None]] = set()
     links = _Links(name.stem)
     for folder in folders:  # grows while we walk it
         for each, parsed in _of_stem(folder, name.stem):
@@ -120,7 +120,7 @@ def files_of(path: Path, places: Iterable[Path] | None = None, *, samples: bool 
             refuse_old(each, first)
             if folder != folders[0] and parsed.number > 1 and first.get("log") != name.stem:
                 continue
-            if (same := (each.name, _size(each))) in known:
+            if (same := (each.name, _sizes([each]).get(each))) in known:
                 continue  # copied from where it was; the one that lies nearer is read
             known.add(same)
             found[each] = parsed
@@ -178,13 +178,6 @@ def _of_stem(folder: Path, stem: str) -> list[tuple[Path, FileName]]:
         return []
     named = ((path, FileName.parse(path.name)) for path in paths)
     return [(path, name) for path, name in named if name is not None and name.stem == stem]
-
-
-def _size(path: Path) -> int:
-    try:
-        return path.stat().st_size
-    except OSError:
-        return -1
 
 
 def first_line(path: Path) -> dict[str, Any]:

@@ -224,15 +224,10 @@ def sentence(stall: ProcessStalled) -> str:
 
 
 @functools.cache
-def _python_folders() -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Where Python's own code lies, and where packages lie in it."""
+def _is_python(file: str) -> bool:
+    """Whether it is code of Python's own, and of no package that lies within that."""
     import sysconfig  # noqa: PLC0415 - most sessions never stall
 
     library = [f"{sysconfig.get_path(name)}/" for name in ("stdlib", "platstdlib")]
     packages = [f"{sysconfig.get_path(name)}/" for name in ("purelib", "platlib")]
-    return (*library, "<frozen"), tuple(packages)
-
-
-def _is_python(file: str) -> bool:
-    library, packages = _python_folders()
-    return file.startswith(library) and not file.startswith(packages)
+    return file.startswith((*library, "<frozen")) and not file.startswith(tuple(packages))

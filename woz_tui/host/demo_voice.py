@@ -45,14 +45,18 @@ def silence() -> tuple[str, str]:
         return "Silent: no voice is installed", "sudo apt install espeak-ng alsa-utils"
     with contextlib.suppress(OSError, subprocess.TimeoutExpired):
         played = subprocess.run(
-            [PLAYER, "-q", "-"], input=_moment(), capture_output=True, timeout=_OPEN_S, check=False
+            [PLAYER, "-q", "-"],
+            input=_silent_wav(),
+            capture_output=True,
+            timeout=_OPEN_S,
+            check=False,
         )
         if played.returncode == 0:
             return "", ""
     return "Silent: no loudspeaker opens here", "plug one in; `aplay -l` lists them"
 
 
-def _moment() -> bytes:
+def _silent_wav() -> bytes:
     """A WAV file of silence: a twentieth of a second."""
     made = io.BytesIO()
     with wave.open(made, "wb") as file:
@@ -97,10 +101,10 @@ class DemoVoice:
         """Until the session ends."""
         kinds = (m.Command, m.Dispatched, m.End, m.StopPressed)
         async for message in session.messages(*kinds):
-            await self._take(message)
+            await self._on_message(message)
         await self._hush()
 
-    async def _take(self, message: m.Message) -> None:
+    async def _on_message(self, message: m.Message) -> None:
         match message:
             case m.Command(verb=verb, driver=driver) if verb in _TAKEN and verb in self._verbs:
                 if driver not in self._audible:

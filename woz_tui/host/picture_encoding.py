@@ -34,7 +34,7 @@ def quantised(pixels: Pixels, colours: int) -> tuple[npt.NDArray[np.float64], In
     counts = np.bincount(codes.ravel(), minlength=1 << 15)
     present = np.flatnonzero(counts)
     channels = np.stack((present >> 10, present >> 5 & 31, present & 31), axis=1)
-    boxes = _boxes(channels, counts[present], colours)
+    boxes = _median_cut(channels, counts[present], colours)
     palette = np.empty((len(boxes), 3))
     lookup = np.zeros(1 << 15, np.intp)
     for number, box in enumerate(boxes):
@@ -45,7 +45,7 @@ def quantised(pixels: Pixels, colours: int) -> tuple[npt.NDArray[np.float64], In
     return palette, lookup[codes]
 
 
-def _boxes(channels: Indices, counts: Indices, most: int) -> list[Indices]:
+def _median_cut(channels: Indices, counts: Indices, most: int) -> list[Indices]:
     """Indices of the colours in each box."""
     boxes = [np.arange(len(channels))]
     spreads = [_spread(channels, counts, boxes[0])]
@@ -91,11 +91,11 @@ def sixels(pixels: Pixels, colours: int = COLOURS) -> str:
     palette, drawn = quantised(pixels, colours)
     percent = np.rint(palette * (100 / 255)).astype(int)
     registers = (f"#{n};2;{r};{g};{b}" for n, (r, g, b) in enumerate(percent.tolist()))
-    bands = (_band(drawn[top : top + _BAND]) for top in range(0, height, _BAND))
+    bands = (_band_sixels(drawn[top : top + _BAND]) for top in range(0, height, _BAND))
     return f'{_BEGIN}"1;1;{width};{height}{"".join(registers)}{"-".join(bands)}{_END}'
 
 
-def _band(drawn: Indices) -> str:
+def _band_sixels(drawn: Indices) -> str:
     """At most six rows, shape (rows, columns): every colour that occurs, one line each."""
     present, places = np.unique(drawn, return_inverse=True)
     width = drawn.shape[1]
@@ -105,12 +105,13 @@ def _band(drawn: Indices) -> str:
         bits[line, columns] |= 1 << row
     signs = bits + np.uint8(63)
     lines = (
-        f"#{colour}{_short(line.tobytes())}" for colour, line in zip(present, signs, strict=True)
+        f"#{colour}{_with_repeats_counted(line.tobytes())}"
+        for colour, line in zip(present, signs, strict=True)
     )
     return "$".join(lines)
 
 
-def _short(signs: bytes) -> str:
+def _with_repeats_counted(signs: bytes) -> str:
     """A line's characters with repeats counted, without those at its end that draw nothing."""
     short = _RUN.sub(lambda run: b"!%d%b" % (len(run[0]), run[1]), signs.rstrip(b"?"))
     return short.decode("ascii")

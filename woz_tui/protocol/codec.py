@@ -63,18 +63,18 @@ def encode(message: msgspec.Struct) -> bytes:
     except (UnicodeEncodeError, TypeError, RecursionError):
         line = _encoder.encode(plain(message))
     if may_tell_secrets(line) and not isinstance(message, Request):
-        line = _encoder.encode(_shown(plain(msgspec.json.decode(line))))
+        line = _encoder.encode(_without_passwords(plain(msgspec.json.decode(line))))
     return line + b"\n"
 
 
-def _shown(value: Any) -> Any:
+def _without_passwords(value: Any) -> Any:
     match value:
         case str():
             return without_passwords(value)
         case dict():
-            return {without_passwords(name): _shown(one) for name, one in value.items()}
+            return {without_passwords(name): _without_passwords(one) for name, one in value.items()}
         case list():
-            return [*map(_shown, value)]
+            return [*map(_without_passwords, value)]
     return value
 
 
@@ -92,13 +92,13 @@ def plain(value: Any, depth: int = 0) -> Any:
         case None | bool() | msgspec.Raw():
             return value
         case Real():
-            return _number(value)
+            return _finite_number(value)
         case Mapping() | list() | tuple() | msgspec.Struct():
-            return _nested(value, depth + 1) if depth < MAX_DEPTH else "..."
+            return _plain_inside(value, depth + 1) if depth < MAX_DEPTH else "..."
     return str(value).encode("utf-8", "backslashreplace").decode()
 
 
-def _number(value: Any) -> int | float | None:
+def _finite_number(value: Any) -> int | float | None:
     if type(value) is int:
         return value
     try:
@@ -108,7 +108,7 @@ def _number(value: Any) -> int | float | None:
     return number if math.isfinite(number) else None
 
 
-def _nested(value: Any, depth: int) -> Any:
+def _plain_inside(value: Any, depth: int) -> Any:
     if isinstance(value, Mapping):
         return {plain(str(key)): plain(item, depth) for key, item in value.items()}
     if isinstance(value, msgspec.Struct):

@@ -45,7 +45,6 @@ class Variables:
 
     @property
     def names(self) -> list[str]:
-        """All of them."""
         return [*self.always, *self.by_condition]
 
 

@@ -223,7 +223,6 @@ class EngagementSettings(Section):
     ] = "default"
 
     def sign(self, name: str) -> SignSettings:
-        """The settings of one sign."""
         settings: SignSettings = getattr(self, name)
         return settings
 

@@ -85,7 +85,6 @@ class TextVariants:
 
     @property
     def every(self) -> tuple[str, ...]:
-        """All of its texts."""
         return tuple(text for variants in self.texts.values() for text in variants)
 
     def of(self, values: Mapping[str, str]) -> tuple[str, ...]:

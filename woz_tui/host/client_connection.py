@@ -58,7 +58,6 @@ class RoleView:
             self._keep(redactor.message(message))
 
     def listen(self, hub: Hub) -> None:
-        """Follow the session."""
         hub.listen(self._remember, but=unlisted())
         hub.listen(self.redactor.apply, *self.redactor.READS)
 
@@ -215,13 +214,11 @@ class ClientConnection(asyncio.Protocol):
     # -- asyncio -----------------------------------------------------------------------------
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """The peer is there."""
         assert isinstance(transport, asyncio.Transport)
         transport.set_write_buffer_limits(high=HIGH_WATER)
         self._transport = transport
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The peer is gone."""
         self._unsubscribe()
         transport, self._transport = self._transport, None
         if exc is not None and transport is not None:
@@ -242,7 +239,6 @@ class ClientConnection(asyncio.Protocol):
         self._paused = True
 
     def resume_writing(self) -> None:
-        """It reads again."""
         self._paused = False
         self._wake()
 

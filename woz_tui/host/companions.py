@@ -72,7 +72,6 @@ class Companion:
         self._task = asyncio.get_running_loop().create_task(self._keep_running())
 
     def end_soon(self) -> None:
-        """Run it no more."""
         if self._task is not None:
             self._task.cancel()
 

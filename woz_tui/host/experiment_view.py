@@ -49,7 +49,6 @@ def panel_views(
 
 
 def action_view(action: Action) -> ActionView:
-    """One action."""
     calls = action.calls
     return ActionView(
         name=action.name,

@@ -250,7 +250,6 @@ class Session:
         return with_condition(own, self.experiment.by_condition, self.identity.condition)
 
     def values(self) -> VariableValues:
-        """The variables' present values."""
         return self.own_values().joined(self.features.values())
 
     def values_changed(self) -> None:

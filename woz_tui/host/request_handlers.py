@@ -161,11 +161,11 @@ class RequestHandlers:
             return True
 
     def _decided(
-        self, client: ClientConnection, asked: Request, decided: Request | RequestError
+        self, client: ClientConnection, request: Request, decided: Request | RequestError
     ) -> Reply:
         """Carry out what waited, or refuse it, and answer its client."""
         if isinstance(decided, RequestError):
-            reply = _refused(client, asked, decided)
+            reply = _refused(client, request, decided)
         else:
             reply = self._answer_at_once(client, decided)
         client.send(reply)
@@ -389,18 +389,33 @@ class RequestHandlers:
             # Whoever asks the same from here on gets an answer of its own: things may have changed.
             same = [each for each in waiting if replace(each, ref=request.ref) == request]
             waiting[:] = [each for each in waiting if each not in same]
-            reply = await self._reply(client, request)
+            reply = await self._slow_reply(client, request)
             for each in same:
                 client.send(replace(reply, ref=each.ref))
         del self._slow[client, kind]
 
-    async def _reply(self, client: ClientConnection, request: Request) -> Reply:
+    async def _slow_reply(self, client: ClientConnection, request: Request) -> Reply:
         #: Lines that may tell the condition, and what stands for them where it is kept.
         instead: dict[str, str] = {}
         try:
-            if isinstance(request, AskPredict):
-                return Reply(ref=request.ref, ok=True, data=await self._predict(client, request))
-            data = await self._data(request, instead)
+            match request:
+                case AskPredict():
+                    data = await self._predict(client, request)
+                    return Reply(ref=request.ref, ok=True, data=data)
+                case AskPreflight():
+                    from woz_tui.session.preflight import preflight  # noqa: PLC0415 - asks the machine
+
+                    data = msgspec.to_builtins(await preflight(self._session))
+                case AskKeepTyped():
+                    async with self._reading:
+                        data = await self._keep_typed(request.dry_run)
+                case AskReload():
+                    async with self._reading:
+                        data = await self._reload(request.dry_run, instead)
+                case _:
+                    async with self._looking:
+                        look_up = self._session.features.look_up
+                        data = await asyncio.to_thread(look_up, request)
         except RequestError as error:
             return _refused(client, request, error)
         except ExperimentError as error:
@@ -420,24 +435,6 @@ class RequestHandlers:
             log.exception("%s failed", type(request).__name__)
             return Reply(ref=request.ref, ok=False, reason=f"{type(error).__name__}: {error}")
         return _redacted(client, Reply(ref=request.ref, ok=True, data=data), instead)
-
-    async def _data(
-        self,
-        request: Request,
-        instead: dict[str, str],
-    ) -> Json:
-        if isinstance(request, AskPreflight):
-            from woz_tui.session.preflight import preflight  # noqa: PLC0415 - asks the machine
-
-            findings: Json = msgspec.to_builtins(await preflight(self._session))
-            return findings
-        if not isinstance(request, AskKeepTyped | AskReload):
-            async with self._looking:
-                return await asyncio.to_thread(self._session.features.look_up, request)
-        async with self._reading:
-            if isinstance(request, AskKeepTyped):
-                return await self._keep_typed(request.dry_run)
-            return await self._reload(request.dry_run, instead)
 
     async def _keep_typed(self, dry_run: bool) -> Json:
         """Also while the session ends: the sentences are there until the process has gone."""

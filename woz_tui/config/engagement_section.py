@@ -227,19 +227,19 @@ def _check_confirmation(settings: EngagementSettings, report: ProblemReport) -> 
     """Nobody can say whether a name was understood that they have not heard."""
     if "name" not in utterance_template.names(settings.handshake.confirm):
         path = f"{SECTION}.handshake.confirm"
-        said = "does not repeat what was understood; put {name} into it, as in '{name}, right?'"
-        report.warning_at(path, said)
+        message = "does not repeat what was understood; put {name} into it, as in '{name}, right?'"
+        report.warning_at(path, message)
 
 
 def _check_partners(settings: EngagementSettings, report: ProblemReport) -> None:
     """Only a camera that turns with the head finds somebody else."""
     attention = settings.attention
     if attention.mode == "Unengaged" and not (attention.look and attention.camera == "head"):
-        said = (
+        message = (
             "acts as SemiEngaged: to find somebody where a sound came from, the robot needs"
             " look: true and a camera on its head, camera: head"
         )
-        report.warning_at(f"{SECTION}.attention.mode", said)
+        report.warning_at(f"{SECTION}.attention.mode", message)
 
 
 def _check_looks(
@@ -251,8 +251,8 @@ def _check_looks(
     missing = [] if GAZE in robots.offers else [f"offers {quoted(GAZE)}"]
     missing += [] if _given_as(DIRECTION, published) else [f"publishes {quoted(DIRECTION)}"]
     if missing:
-        said = f"the robot does not look to sounds: no driver {' and none '.join(missing)}"
-        report.warning_at(f"{SECTION}.attention.look", said)
+        message = f"the robot does not look to sounds: no driver {' and none '.join(missing)}"
+        report.warning_at(f"{SECTION}.attention.look", message)
 
 
 def _check_verbs(robots: Robots, report: ProblemReport) -> None:
@@ -278,8 +278,8 @@ def _check_sensors(
             near = report.hint(name, published, or_list="sensors are")
             report.error_at(path, f"there is no sensor {quoted(name)}{near}")
         elif other != part and name in published:
-            said = f"{quoted(name)} already gives {other}"
-            report.error_at(path, said)
+            message = f"{quoted(name)} already gives {other}"
+            report.error_at(path, message)
 
 
 def _check_signs(
@@ -336,28 +336,28 @@ def _check_handshake(
     if settings.handshake.by != "robot":
         return
     if "say" not in robots.offers:
-        said = "the robot cannot ask for a name: no driver offers 'say'; write by: wizard"
-        report.warning_at(path, said)
+        message = "the robot cannot ask for a name: no driver offers 'say'; write by: wizard"
+        report.warning_at(path, message)
     elif not _given_as(SPEECH_TEXT, published):
-        said = (
+        message = (
             "no driver recognises the answer as text (a microphone's transcribe,"
             " a pepper's recognition); type the name with visitor, or lead it yourself, by: wizard"
         )
-        report.warning_at(path, said)
+        report.warning_at(path, message)
     elif _given_as("identity", published) and LEARN_FACE not in robots.offers:
-        said = f"returning visitors are not recognised: no driver offers {quoted(LEARN_FACE)}"
-        report.warning_at(path, said)
+        message = f"returning visitors are not recognised: no driver offers {quoted(LEARN_FACE)}"
+        report.warning_at(path, message)
     elif _given_as("identity", published) and not (settings.handshake.face_consent or agrees):
-        said = (
+        message = (
             "returning visitors are not recognised: nobody says that their face may be learnt;"
             " have the robot ask, with face_consent, or add an action for the wizard, such as {key:"
             f' ..., label: ..., steps: [{{{FACE_CONSENT}: "{{visitor}}"}},'
             f' {{{LEARN_FACE}: "{{visitor}}"}}]}}'
         )
-        report.warning_at(path, said)
+        report.warning_at(path, message)
     if settings.handshake.face_consent and LEARN_FACE not in robots.offers:
-        said = f"it is not asked: no driver offers {quoted(LEARN_FACE)}"
-        report.warning_at(f"{SECTION}.handshake.face_consent", said)
+        message = f"it is not asked: no driver offers {quoted(LEARN_FACE)}"
+        report.warning_at(f"{SECTION}.handshake.face_consent", message)
 
 
 def _given_as(name: str, published: list[str]) -> bool:

@@ -261,8 +261,8 @@ class _ExperimentDecoder:
             yield
         except Exception as error:
             log.exception("the feature %s failed with %s", feature, self._path)
-            told = f"{type(error).__name__}: {error}"
-            root.error(f"the feature {quoted(feature)} fails with this file: {told}")
+            why = f"{type(error).__name__}: {error}"
+            root.error(f"the feature {quoted(feature)} fails with this file: {why}")
 
     def _add_source(self, source: SourceFile) -> None:
         """A file that belongs to the experiment."""

@@ -92,7 +92,7 @@ class DemoVoice:
         self._speech = speech
         self._verbs = {verb.name: verb for verb in speech.offer(speech.settings).verbs}
         self._audible = audible
-        self._asked: dict[str, m.Command] = {}
+        self._waiting: dict[str, m.Command] = {}
         self._heard: dict[str, asyncio.Task[None]] = {}
         #: A sentence waits for the end of the one before: the robot may have been quicker.
         self._mouth = asyncio.Lock()
@@ -108,15 +108,19 @@ class DemoVoice:
         match message:
             case m.Command(verb=verb, driver=driver) if verb in _TAKEN and verb in self._verbs:
                 if driver not in self._audible:
-                    self._asked[message.command] = message
-            case m.Dispatched() if asked := self._asked.pop(message.command, None):
-                args = {name: asked.args[name] for name in _TAKEN[asked.verb] if name in asked.args}
-                job = LoneJob(self._verbs[asked.verb].spoken(args), verb=asked.verb)
+                    self._waiting[message.command] = message
+            case m.Dispatched() if command := self._waiting.pop(message.command, None):
+                args = {
+                    name: command.args[name]
+                    for name in _TAKEN[command.verb]
+                    if name in command.args
+                }
+                job = LoneJob(self._verbs[command.verb].spoken(args), verb=command.verb)
                 heard = asyncio.create_task(self._perform(job))
                 self._heard[message.command] = heard
                 heard.add_done_callback(lambda _: self._heard.pop(message.command, None))
             case m.End() if not isinstance(message, m.Done):
-                self._asked.pop(message.command, None)
+                self._waiting.pop(message.command, None)
                 if cut_short := self._heard.get(message.command):
                     cut_short.cancel()
             case m.StopPressed(scope="all"):

@@ -122,7 +122,7 @@ class LoopWatchdog:
     # -- in a thread -------------------------------------------------------------------------
 
     def _look(self) -> None:
-        told_s = 0.0
+        reported_s = 0.0
         while not self._ended.wait(BEAT_S):
             now, beat_s = time.monotonic(), self._beat_s
             if now - beat_s <= STALL_S:
@@ -130,8 +130,8 @@ class LoopWatchdog:
             frame, sights = sys._current_frames().get(self._thread), self._sights
             if frame is not None and self._beat_s == beat_s and len(sights) < _SIGHTS:
                 sights.append(sight_of(frame))
-            if now - beat_s > TOLD_S and told_s != beat_s:
-                told_s = beat_s
+            if now - beat_s > TOLD_S and reported_s != beat_s:
+                reported_s = beat_s
                 sight = sight_during(None, sights, self._drivers)
                 driver, call = whose(sight, None, self._drivers)
                 place = place_in(sight)

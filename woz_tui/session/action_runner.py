@@ -709,8 +709,8 @@ class LastAct:
             return
         request = command.request
         run = request.run or request.command
-        asked = self._state.actions.get(run) or self._state.commands.get(run)
-        if asked is None or not is_by_hand(asked.request.source, asked.request.key):
+        requested = self._state.actions.get(run) or self._state.commands.get(run)
+        if requested is None or not is_by_hand(requested.request.source, requested.request.key):
             return
         unsaid = run in self._begun or self._runner.says_now(run)
         if unsaid and request.verb not in SPEAKING_VERBS:
@@ -719,4 +719,4 @@ class LastAct:
         if run == request.command and verb is not None and (verb.stream or verb.brief):
             return
         self._begun.append(run)
-        self._last = self._last_of[asked.request.console] = run
+        self._last = self._last_of[requested.request.console] = run

@@ -76,8 +76,10 @@ def given_values(
     """What a request brings along, which may tell `tells`."""
     if not request.slots:
         return NOTHING_GIVEN
-    told = dict.fromkeys(request.slots, tells) if tells else {}
-    return GivenValues(request.slots, request.slot_sources, told, request.slots_took_us, by_program)
+    by_slot = dict.fromkeys(request.slots, tells) if tells else {}
+    return GivenValues(
+        request.slots, request.slot_sources, by_slot, request.slots_took_us, by_program
+    )
 
 
 class ComposedCall(Protocol):
@@ -375,10 +377,10 @@ class ActionTexts:
             return filled
         said = " ".join(str(part.args[TEXT]) for part in parts if part.verb == SAY)
         does = ", ".join(dict.fromkeys(part.words for part in parts))
-        told: dict[str, Json] = {TEXT: said} if said else {"does": does}
-        kept = dict.fromkeys(told, HIDDEN_TEXT) if call.tells else {}
+        shown: dict[str, Json] = {TEXT: said} if said else {"does": does}
+        kept = dict.fromkeys(shown, HIDDEN_TEXT) if call.tells else {}
         return msgspec.structs.replace(
-            filled, args={**filled.args, **told}, unfilled={**filled.unfilled, **kept}
+            filled, args={**filled.args, **shown}, unfilled={**filled.unfilled, **kept}
         )
 
     def _steps(

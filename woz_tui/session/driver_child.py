@@ -23,17 +23,17 @@ def _tell(text: str) -> None:
         sys.stderr.write(f"{text}\n")
 
 
-async def _serve(setup: bytes, parent: ParentLine) -> None:
-    told = msgspec.msgpack.decode(setup, type=ProcessSetup)
+async def _serve(encoded: bytes, parent: ParentLine) -> None:
+    setup = msgspec.msgpack.decode(encoded, type=ProcessSetup)
     try:
-        offers = pickle.loads(told.offers)
+        offers = pickle.loads(setup.offers)
     except Exception as error:
         raise LineError(f"it cannot be loaded: {type(error).__name__}: {error}") from error
     server = DriverServer(
         *(PLACE, offers),
-        folder=Path(told.folder),
+        folder=Path(setup.folder),
         tell=_tell,
-        silence_s=told.silence_s,
+        silence_s=setup.silence_s,
         beside_session=True,
     )
     tell_faults(server.made)

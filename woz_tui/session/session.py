@@ -595,16 +595,16 @@ class Session:
         nobody = named if isinstance(named, Refusal) else None
         call = Call(ask.name, dict(ask.args), "" if isinstance(named, Refusal) else named)
         origin = RequestOrigin(ask.source, ask.key, driver)
-        asked: SendVerb | SendOwnVerb = SendOwnVerb(nobody)
+        question: SendVerb | SendOwnVerb = SendOwnVerb(nobody)
         if is_by_hand(ask.source, ask.key):
             stale = self._why_too_old(ask)
-            asked = SendVerb(call.verb, call.args, call.driver, origin, stale, nobody=nobody)
-        refusal = self._why_not_sent(asked)
+            question = SendVerb(call.verb, call.args, call.driver, origin, stale, nobody=nobody)
+        refusal = self._why_not_sent(question)
 
         def ended(end: m.End) -> None:
             done(isinstance(end, m.Done), end.reason)
 
-        again = partial(self.why_no_verb, call, origin) if isinstance(asked, SendVerb) else None
+        again = partial(self.why_no_verb, call, origin) if isinstance(question, SendVerb) else None
         when_busy = ask.when_busy or "queue"
         sent = self.runner.send(call, origin, when_busy, refusal, ended, again=again)
         if ask.key:

@@ -134,10 +134,10 @@ def experiment_files(experiment: Experiment) -> m.ExperimentFiles:
     left_out: list[str] = []
     room = FILES_BYTES
     for path, text in zip(experiment.files, experiment.texts, strict=False):
-        name, told = from_folder(path, experiment.path.parent), text_without_home(text)
-        need = len(json.dumps(told))
+        name, shown = from_folder(path, experiment.path.parent), text_without_home(text)
+        need = len(json.dumps(shown))
         if need <= room:
-            files[name] = told
+            files[name] = shown
             room -= need
         else:
             left_out.append(name)

@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import Any, Protocol
 
 from woz_tui.config.performers import ENGAGEMENT
+from woz_tui.console.drawing.number_text import millis
 from woz_tui.console.state.command_text import command_words
 from woz_tui.console.state.engagement import texts
 from woz_tui.console.state.engagement_text import (
@@ -18,7 +19,6 @@ from woz_tui.console.state.engagement_text import (
 from woz_tui.console.state.running_actions import RunOutcome, shown_end
 from woz_tui.console.state.stop_confirmation import missing_words
 from woz_tui.console.state.study import StudyView
-from woz_tui.console.state.study_sentences import event_text
 from woz_tui.console.state.view_models import DriverView
 from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol import messages as m
@@ -42,6 +42,8 @@ _SOURCES = {
 }
 
 
+#: How a trial ended -> its mark.
+_OUTCOMES = {"done": "done", "aborted": "stopped", "excluded": "warning"}
 #: What happened to a visitor in the store.
 _VISITOR = {"met": "is back", "learnt": "is new", "profile": "is described"}
 
@@ -436,15 +438,59 @@ def _reloaded(message: m.ExperimentReloaded, shown: EventContext) -> EventLine:
     return EventLine("info", "File reloaded", "; ".join(message.changes) or "no changes")
 
 
+def _study_line(message: m.Message) -> EventLine | None:
+    match message:
+        case m.ConditionsAssigned():
+            how = "chosen by hand" if message.method == "hand" else message.method
+            order = f"{message.participant}: {', '.join(message.order)}"
+            return EventLine("info", order, ", ".join(filter(None, (how, message.why))))
+        case m.TrialStarted():
+            of = f" of {message.planned}" if message.planned else ""
+            return EventLine("info", f"Trial {message.trial}{of} begins", message.condition)
+        case m.TrialEnded(outcome=outcome):
+            mark = _OUTCOMES.get(outcome, "info")
+            return EventLine(mark, f"Trial {message.trial} {outcome}", message.text)
+        case m.BreakStarted():
+            return EventLine("info", "Break", message.text)
+        case m.BreakEnded():
+            return EventLine("info", "Break over", message.text)
+        case m.PreflightChecked(source="robot"):
+            return None  # what a program found out stands in the preflight
+        case m.PreflightChecked(level="ok"):
+            return EventLine("done", f"Ticked: {message.check}", message.detail)
+        case m.PreflightChecked():
+            return EventLine("warning", f"Not ticked: {message.check}", message.detail)
+        case m.PerceptionChanged(hidden=hidden, blurred=blurred):
+            if not hidden and not blurred:
+                return EventLine("info", "Nothing is hidden from you")
+            rough = f"Shown roughly: {', '.join(blurred)}" if blurred else ""
+            if not hidden:
+                return EventLine("info", rough)
+            return EventLine("info", f"Hidden: {', '.join(hidden)}", rough)
+        case m.RerunStarted():
+            commands = f"{message.commands} commands"
+            return EventLine("info", f"Run again: {message.original}", commands)
+        case m.RerunSkipped():
+            return EventLine("warning", f"Left out: {message.original_command}", message.reason)
+        case m.RerunEnded():
+            most = millis(message.late_max_us)
+            late = f"late by {millis(message.late_p50_us)}, {most} at the most"
+            counts = f"{message.sent_again} sent, {message.skipped_commands} left out, {late}"
+            return EventLine("info", f"Re-run over: {message.reason}", counts)
+    return None
+
+
 def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
-    line = event_text(message)
+    line = _study_line(message)
+    if line is None:
+        return None
     missing = shown.study.unticked() if isinstance(message, m.TrialStarted) else []
-    if line is not None and missing and shown.session.study.last_ended is None:
-        line = line._replace(mark="warning", detail=f"not ticked: {'; '.join(missing)}")
-    if line is not None and message.names_console:
+    if missing and shown.session.study.last_ended is None:
+        line.mark, line.detail = "warning", f"not ticked: {'; '.join(missing)}"
+    if message.names_console:
         asker = other_console(getattr(message, "console", ""), shown)
-        line = line._replace(detail=", ".join(filter(None, (line.detail, asker))))
-    return EventLine(*line) if line is not None else None
+        line.detail = ", ".join(filter(None, (line.detail, asker)))
+    return line
 
 
 def _lost(message: m.ConsoleLost, shown: EventContext) -> EventLine:

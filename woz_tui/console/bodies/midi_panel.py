@@ -23,7 +23,7 @@ MOST = 127
 #: Lines of each kind of control with its label; cells of a column at the least and at the most.
 LINES = {"knob": 3, "slider": 5, "button": 1}
 LEAST_COLUMN, MOST_COLUMN = 7, 13
-#: Below this a column that has buttons only is told as text, if that helps the others.
+#: Below this columns are narrow.
 GOOD_COLUMN = 9
 #: Cells of a knob, and how far around it goes, in degrees from its lowest place.
 DIAL, TURN = (4, 2), 270.0
@@ -61,30 +61,23 @@ class PanelState:
 
 
 def panel_rows(board: PanelState, frame: PaintFrame) -> list[Row]:
-    """The picture, beneath it what was moved last and what to do about controls that wait."""
-    told, drawn = _split(board.outline.controls, frame.width)
-    rows = [*_grid(board, drawn, frame), (), *_button_text(board, told, frame)]
+    """The picture, beneath it what was moved last and what to do about controls that wait. Where
+    columns are narrow, those of buttons alone are told as text, if that helps the others.
+    """
+    controls, told = list(board.outline.controls), list[ControlOutline]()
+    columns = {control.column for control in controls}
+    if columns and frame.width // len(columns) < GOOD_COLUMN:
+        drawn = {control.column for control in controls if control.kind != "button"} or columns
+        told = [control for control in controls if control.column not in drawn]
+        controls = [control for control in controls if control.column in drawn]
+    rows = [*_picture(board, controls, frame), (), *_button_text(board, told, frame)]
     return cut_rows(rows, frame, [(), _last_moved(board, frame.glyphs), *_advice(board, frame)])
 
 
 # -- the picture ----------------------------------------------------------------------------------
 
 
-def _split(
-    controls: Sequence[ControlOutline], width: int
-) -> tuple[list[ControlOutline], list[ControlOutline]]:
-    """Controls told as text, and those that are drawn: all of them where there is room."""
-    columns = {control.column for control in controls}
-    if width // max(1, len(columns)) >= GOOD_COLUMN:
-        return [], list(controls)
-    turned = {control.column for control in controls if control.kind != "button"} or columns
-    return (
-        [control for control in controls if control.column not in turned],
-        [control for control in controls if control.column in turned],
-    )
-
-
-def _grid(board: PanelState, controls: Sequence[ControlOutline], frame: PaintFrame) -> list[Row]:
+def _picture(board: PanelState, controls: Sequence[ControlOutline], frame: PaintFrame) -> list[Row]:
     columns = sorted({control.column for control in controls})
     if not columns:
         return []

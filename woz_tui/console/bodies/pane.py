@@ -152,25 +152,24 @@ COLUMN, PICTURE = 24, 9
 
 
 def full_rows(seen: BodyView, frame: PaintFrame) -> list[Row]:
-    """As large as the frame."""
+    """As large as the frame: face and views beside each other, the face compact where it would
+    take all the room; beneath them the table.
+    """
+    glyphs = frame.glyphs
     columns = max(1, frame.width // COLUMN)
     table = min(-(-len(FORMATS) // columns), max(0, frame.height - PICTURE - 2))
-    state = frame.height - table - 2
-    title: Row = ((clean(seen.outline.driver), "title"), (f"  {seen.old}", "stale"))
-    rows = [title, *_picture(seen, frame, state), ()]
-    return cut_rows([*rows, *table_rows(seen, frame.glyphs, frame.width, table)], frame)
-
-
-def _picture(seen: BodyView, frame: PaintFrame, lines: int) -> list[Row]:
-    """Face and views beside each other, the face compact where it would take all the room."""
+    lines = frame.height - table - 2
     lights = seen.outline.face
     if lights is None:
-        return view_rows(seen, frame.glyphs, frame.width, lines)
-    columns, high = face_size(*lights, compact=False)
-    compact = columns + GAP + 2 * VIEW[0] > frame.width or high > lines
-    if compact:
-        columns, _ = face_size(*lights, compact=True)
-    face = face_rows(seen, frame.glyphs, compact=compact)
-    room = frame.width - columns - GAP
-    views = view_rows(seen, frame.glyphs, room, lines) if room >= 2 * VIEW[0] + GAP else []
-    return side_by_side([(face, columns), (views, max(0, room))], lines, frame.glyphs, GAP)
+        picture = view_rows(seen, glyphs, frame.width, lines)
+    else:
+        wide, high = face_size(*lights, compact=False)
+        compact = wide + GAP + 2 * VIEW[0] > frame.width or high > lines
+        if compact:
+            wide, _ = face_size(*lights, compact=True)
+        face = face_rows(seen, glyphs, compact=compact)
+        room = frame.width - wide - GAP
+        views = view_rows(seen, glyphs, room, lines) if room >= 2 * VIEW[0] + GAP else []
+        picture = side_by_side([(face, wide), (views, max(0, room))], lines, glyphs, GAP)
+    title: Row = ((clean(seen.outline.driver), "title"), (f"  {seen.old}", "stale"))
+    return cut_rows([title, *picture, (), *table_rows(seen, glyphs, frame.width, table)], frame)

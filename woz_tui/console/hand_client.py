@@ -6,6 +6,7 @@ one, and `tick` is called many times a second.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -112,6 +113,7 @@ class HandClient:
         take_over: bool = False,
     ) -> None:
         self.state = ConsoleState()
+        #: Those of the type `hands`, by driver, in the robot file's order.
         self.panels: dict[str, HandPanel] = {}
         self.hands: list[Hand] = []
         self.welcomed = False
@@ -182,7 +184,11 @@ class HandClient:
 
     def _welcome(self, welcome: Welcome) -> None:
         self.welcomed = True
-        self.panels = _hand_panels(welcome.settings.outlines)
+        self.panels = {}
+        for driver, outline in welcome.settings.outlines.items():
+            if isinstance(outline, dict) and "device" in outline:
+                with contextlib.suppress(msgspec.ValidationError):
+                    self.panels[driver] = msgspec.convert(outline, HandPanel)
         self._requested.clear()
         if not self.panels:
             self._say(
@@ -395,18 +401,6 @@ class HandClient:
                 left = f"{time_left(view.left_us)} s" if view.left_us is not None else ""
                 faces[one.name] = (label, view.state.value, left)
         return faces
-
-
-def _hand_panels(outlines: Mapping[str, Any]) -> dict[str, HandPanel]:
-    """The panels of the type `hands`, by driver, in the robot file's order."""
-    found = {}
-    for driver, outline in outlines.items():
-        if isinstance(outline, dict) and "device" in outline:
-            try:
-                found[driver] = msgspec.convert(outline, HandPanel)
-            except msgspec.ValidationError:
-                continue
-    return found
 
 
 def _sentence(reply: Reply) -> str:

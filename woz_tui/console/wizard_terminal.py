@@ -114,7 +114,9 @@ class WizardDriver(LinuxDriver):
 
     def start_application_mode(self) -> None:
         """Take the terminal. If that fails half way it is given back."""
-        self._output = Output(self._screen_fd(), self._repaint)
+        streams = [each for each in (self._file, sys.__stdout__) if each is not None]
+        screen = next((each.fileno() for each in streams if each.isatty()), self.fileno)
+        self._output = Output(screen, self._repaint)
         try:
             super().start_application_mode()  # type: ignore[no-untyped-call]
             self.write(question(os.environ) + _WHO)
@@ -159,10 +161,6 @@ class WizardDriver(LinuxDriver):
         with contextlib.suppress(OSError):
             return os.tcgetpgrp(self.fileno) == os.getpgrp()
         return True
-
-    def _screen_fd(self) -> int:
-        streams = (self._file, sys.__stdout__)
-        return next((s.fileno() for s in streams if s is not None and s.isatty()), self.fileno)
 
     # -- out ------------------------------------------------------------------------------------
 
@@ -370,13 +368,13 @@ class WizardDriver(LinuxDriver):
             self._picture_terminal.sixel = reply.raw.startswith(b"\x1b[?") and 4 in reply.values[1:]
             found = getattr(self._app, "terminal_found", None)
             if found is not None:
-                self._in_app(found, _terminal(bool(self._kitty & 1)))
+                self._in_app(found, _answering_terminal(bool(self._kitty & 1)))
 
     def _interrupted(self) -> None:
         self._keyboard.stop("ctrl+c")
 
 
-def _terminal(kitty: bool) -> Terminal:
+def _answering_terminal(kitty: bool) -> Terminal:
     """The terminal by its environment and by its answer."""
     guess = detect_terminal(os.environ)
     if guess.multiplexer or guess.linux:

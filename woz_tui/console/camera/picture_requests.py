@@ -65,22 +65,19 @@ class PictureBudget:
         """
         took_s = max(0.0, took_us / 1_000_000)
         if cost >= TELLING:
-            self._learn(cost, took_s)
+            measured = cost / max(took_s, INSTANT_S)
+            if took_s <= INSTANT_S:
+                self._speed = max(self._speed, measured)
+            elif measured < self._speed:
+                self._speed = max(float(SLOWEST), measured)  # at once: too slow hurts
+            else:
+                self._speed = (self._speed + measured) / 2
         pause_s = max(cost / self._budget, took_s / SHARE, drawing_us / 1_000_000 / SHARE)
         self.wait(began_us, pause_s)
 
     def wait(self, now_us: int, seconds: float) -> None:
         """Ask for nothing for a while."""
         self._next_us = max(self._next_us, now_us + round(seconds * 1_000_000))
-
-    def _learn(self, cost: int, took_s: float) -> None:
-        measured = cost / max(took_s, INSTANT_S)
-        if took_s <= INSTANT_S:
-            self._speed = max(self._speed, measured)
-        elif measured < self._speed:
-            self._speed = max(float(SLOWEST), measured)  # at once: too slow hurts
-        else:
-            self._speed = (self._speed + measured) / 2
 
 
 #: An answer that has not come by then will not come, in seconds.

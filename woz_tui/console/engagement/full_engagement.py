@@ -56,7 +56,7 @@ def full_rows(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) 
     """As many rows as the frame is high; what matters most stands on top."""
     glyphs = frame.glyphs
     table = _sign_table(state, shown, frame)
-    top = [_head(state, shown, frame), _limits_row(state, shown, frame)]
+    top = [_head(state, shown, frame), _speech_row(state, shown, frame)]
     drawn = frame.width >= WIDTH and frame.height >= len(top) + HEIGHT + len(table) + _LEAST_HISTORY
     heard: list[Row] = []
     if drawn:
@@ -107,7 +107,7 @@ def _head(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> R
     return spread(row, right, frame.width, glyphs.ellipsis)
 
 
-def _limits_row(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
+def _speech_row(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     """What is being said, which limits run."""
     glyphs, engaged = frame.glyphs, state.engaged
     if state.lost:

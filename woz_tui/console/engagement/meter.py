@@ -227,9 +227,16 @@ def _single(name: str, shown: m.EngagementShown, state: ConsoleState, frame: Met
 def _distance(state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame) -> list[Row]:
     """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
     sign = shown.signs.get("distance")
-    if sign is not None and state.sensor("distance") and state.perception.keeps("distance"):
-        return [_kept_distance(state, frame)]
-    if sign is None or (sign.raw is None and state.sensor("distance") is None):
+    sensor = state.sensor("distance")
+    if sign is not None and sensor is not None and state.perception.keeps("distance"):
+        if state.perception.hides("distance"):
+            return [hidden_row("distance", frame)]
+        # The wizard sees near and far alone.
+        stale = state.is_stale(sensor, frame.now)
+        text = age_note(sensor.t, frame) if stale else sensor.text or "nothing seen"
+        bar: Row = ((frame.glyphs.track * frame.track, "faint"),)
+        return [meter_row("distance", bar, text, "stale" if stale else "plain", frame)]
+    if sign is None or (sign.raw is None and sensor is None):
         return []
     stale = bool(state.lost) or sign.stale
     bar = distance_bar(
@@ -248,14 +255,3 @@ def _distance(state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame) 
     if stale:
         return [meter_row("distance", bar, f"{frame.glyphs.stale} {figure} stale", "stale", frame)]
     return [meter_row("distance", bar, f"{figure} {zone(sign.raw)}", "plain", frame)]
-
-
-def _kept_distance(state: ConsoleState, frame: MeterFrame) -> Row:
-    """Its place where the wizard does not see it, or only near and far."""
-    sensor = state.sensor("distance")
-    if sensor is None or state.perception.hides("distance"):
-        return hidden_row("distance", frame)
-    stale = state.is_stale(sensor, frame.now)
-    text = age_note(sensor.t, frame) if stale else sensor.text or "nothing seen"
-    bar: Row = ((frame.glyphs.track * frame.track, "faint"),)
-    return meter_row("distance", bar, text, "stale" if stale else "plain", frame)

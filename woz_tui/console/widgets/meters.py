@@ -134,7 +134,12 @@ def _joint(state: ConsoleState, name: str, shown: str, frame: MeterFrame) -> Row
     here = present.value if present is not None else None
     there = wanted.value if wanted is not None else None
     limits = _limits(state)
-    low, high = _range(limits.get(name, limits.get(name.rpartition(".")[2])), here, there)
+    known = limits.get(name, limits.get(name.rpartition(".")[2]))
+    if known is None:  # from where to where its values need
+        values = [value for value in (here, there) if value is not None]
+        half = _HALF if all(abs(value) <= _HALF for value in values) else _WHOLE
+        known = -half, half
+    low, high = known
     stale = present is not None and state.is_stale(present, frame.now)
     spots: dict[int, tuple[str, str]] = {}
     texts = []
@@ -153,17 +158,6 @@ def _joint(state: ConsoleState, name: str, shown: str, frame: MeterFrame) -> Row
     text = age_note(present.t, frame) if stale and present is not None else " ".join(texts)
     look = "stale" if stale else "plain"
     return meter_row(shown, ruler(width, ticks, spots, glyphs), text, look, frame)
-
-
-def _range(
-    limits: tuple[float, float] | None, here: float | None, there: float | None
-) -> tuple[float, float]:
-    """From where to where a joint's row goes: its limits, or what its values need."""
-    if limits is not None:
-        return limits
-    values = [value for value in (here, there) if value is not None]
-    half = _HALF if all(abs(value) <= _HALF for value in values) else _WHOLE
-    return -half, half
 
 
 def _member(name: str, value: str, stale: bool, frame: MeterFrame) -> Row:

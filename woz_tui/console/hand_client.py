@@ -32,7 +32,7 @@ from woz_tui.protocol.requests import (
 )
 from woz_tui.protocol.welcome import STALE_S
 from woz_tui.system.clock import Clock, boot_id
-from woz_tui.system.text_cleaning import clean
+from woz_tui.system.text_cleaning import clean, with_remedy
 
 #: Lines about a panel that may be unanswered; then only the newest state of its sticks is kept.
 UNANSWERED = 4
@@ -203,11 +203,11 @@ class HandClient:
         hand = next((each for each in self.hands if reply.ref in each.unanswered), None)
         if hand is None:
             if not reply.ok and reply.ref:
-                self._say(_sentence(reply))
+                self._say(clean(with_remedy(reply.reason, reply.hint)))
                 self.turned_away |= not self.welcomed
             return
         del hand.unanswered[reply.ref]
-        sentence = "" if reply.ok else _sentence(reply)
+        sentence = "" if reply.ok else clean(with_remedy(reply.reason, reply.hint))
         if sentence and sentence != hand.refused:
             self._say(f"{hand.panel}: {sentence}")
         hand.refused = sentence
@@ -401,7 +401,3 @@ class HandClient:
                 left = f"{time_left(view.left_us)} s" if view.left_us is not None else ""
                 faces[one.name] = (label, view.state.value, left)
         return faces
-
-
-def _sentence(reply: Reply) -> str:
-    return clean(reply.reason + (f" ({reply.hint})" if reply.hint else ""))

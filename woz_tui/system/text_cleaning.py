@@ -100,6 +100,11 @@ def seconds(us: int) -> str:
     return f"{sign}{us // 1_000_000}.{us % 1_000_000:06d}"
 
 
+def with_remedy(reason: str, remedy: str) -> str:
+    """`reason (remedy)`; the reason alone where nothing helps."""
+    return f"{reason} ({remedy})" if remedy else reason
+
+
 def _picture(found: re.Match[str]) -> str:
     code = ord(found[0])
     if code < 0x20:

@@ -18,6 +18,7 @@ from woz_tui.console.camera.picture_terminal import PictureTerminal
 from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
 from woz_tui.protocol.requests import AskPicture, Reply
 from woz_tui.system.clock import Clock
+from woz_tui.system.text_cleaning import with_remedy
 
 #: Bytes a second that pictures may cost, and pictures a second: the defaults.
 BUDGET, RATE = 200_000, 5.0
@@ -212,7 +213,7 @@ class PictureRequester:
         if generation != self._generation or reply.ok:
             return
         self._requested_us = None
-        self.why = f"{reply.reason} ({reply.hint})" if reply.hint else reply.reason
+        self.why = with_remedy(reply.reason, reply.hint)
         self.pace.wait(self._clock.now_us(), REFUSED_S)
 
     # -- arriving ----------------------------------------------------------------------------

@@ -16,6 +16,7 @@ from woz_tui.console.state.remedy_text import remedy_text
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requests import AskVerb, Reply
+from woz_tui.system.text_cleaning import with_remedy
 
 if TYPE_CHECKING:
     from woz_tui.console.link.robot_requests import OnReply
@@ -113,7 +114,7 @@ class SettingRequests:
     def _ended(self, key: Key, pending: PendingSetting, end: m.End, now: int) -> None:
         if not isinstance(end, m.Done):  # of those without a reason another command took its place
             if isinstance(end, m.Failed | m.TimedOut | m.Refused):
-                told = _sentence(end.reason, end.remedy)
+                told = with_remedy(end.reason, end.remedy)
                 self._refusals[key] = remedy_text(told, self._picture)
             self._drop(key, pending)
         elif pending.value != pending.sent:
@@ -143,14 +144,10 @@ class SettingRequests:
         if not pending.run:
             self._drop(key, pending)
         if not reply.ok:
-            self._refusals[key] = _sentence(reply.reason, reply.hint)
+            self._refusals[key] = with_remedy(reply.reason, reply.hint)
             if not self._watched():
                 self._refused(reply)
 
     def _drop(self, key: Key, pending: PendingSetting) -> None:
         if self._pending.get(key) is pending:
             del self._pending[key]
-
-
-def _sentence(reason: str, remedy: str) -> str:
-    return f"{reason} ({remedy})" if remedy else reason

@@ -10,6 +10,7 @@ from woz_tui.config.performers import composers
 from woz_tui.console.state.command_text import command_words, spoken_text
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import EVIDENCE
+from woz_tui.system.text_cleaning import with_remedy
 from woz_tui.timeline.episodes import (
     OUTCOMES,
     ActionEpisode,
@@ -89,8 +90,7 @@ class DriverRefusal:
 
     def sentence(self, label: str) -> str:
         """It in a line; `label` is the action's."""
-        remedy = f" ({self.remedy})" if self.remedy else ""
-        return f"{label or self.what}: {self.reason}{remedy}"
+        return f"{label or self.what}: {with_remedy(self.reason, self.remedy)}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -133,7 +133,14 @@ class HostConnection:
                 " the session's log"
             ) from error
         if self._hello.part or self._explain is not None:
-            _check_accepted(self._opened)
+            # Wait for the beginning of the first answer, which stays unread.
+            select.select((self._opened,), (), (), SILENCE_S)
+            with contextlib.suppress(BlockingIOError):
+                line, end, _ = self._opened.recv(_FIRST, socket.MSG_PEEK).partition(b"\n")
+                answer = _decode(line) if end else None
+                if isinstance(answer, Reply) and not answer.ok:
+                    self._opened.close()
+                    raise ConnectionError(_refused(answer))
 
     def start(self, on_messages: OnMessages, on_lost: OnLost) -> None:
         """Begin, and connect unless that is done. Raises as `connect`."""
@@ -161,8 +168,11 @@ class HostConnection:
             line = codec.encode(msgspec.structs.replace(request, ref=ref, sent_us=sent_us))
             behind = bool(self._waiting) or self._socket is None
             self._send(line)
-        if behind and isinstance(request, AskStop):
-            self._send_aside(line)
+        if behind and isinstance(request, AskStop):  # aside, without waiting for anything
+            with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX) as aside:
+                aside.setblocking(False)
+                aside.connect(str(self._path))
+                aside.send(line)
         return ref
 
     def close(self) -> None:
@@ -193,13 +203,6 @@ class HostConnection:
         else:
             with contextlib.suppress(OSError):  # the reader notices, and says that it is lost
                 connection.shutdown(socket.SHUT_RDWR)
-
-    def _send_aside(self, line: bytes) -> None:
-        """Over a connection of its own; without waiting for anything."""
-        with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX) as aside:
-            aside.setblocking(False)
-            aside.connect(str(self._path))
-            aside.send(line)
 
     def _write(self) -> None:
         """Thread: hand the kernel what it did not take at once."""
@@ -350,19 +353,6 @@ class HostConnection:
                 self.stale_after_s = message.settings.stale_after or STALE_S
                 self._lost = False
         self._on_messages(batch)
-
-
-def _check_accepted(connection: socket.socket) -> None:
-    """Wait for the beginning of the first answer, which stays unread. Raises `ConnectionError` if
-    it is a refusal.
-    """
-    select.select((connection,), (), (), SILENCE_S)
-    with contextlib.suppress(BlockingIOError):
-        line, end, _ = connection.recv(_FIRST, socket.MSG_PEEK).partition(b"\n")
-        answer = _decode(line) if end else None
-        if isinstance(answer, Reply) and not answer.ok:
-            connection.close()
-            raise ConnectionError(_refused(answer))
 
 
 def _refused(reply: Reply) -> str:

@@ -79,11 +79,8 @@ class ReleaseDialog(LiveReportDialog):
         """Release it, once."""
         if not self._asked:
             self._asked = True
-            self.requests.ask(AskRelease(source="key", missing=self._missing()))
+            # Whom the wizard has read of; before the confirmation that is every driver.
+            stop = self.state.session.stop
+            named = stop.missing if stop is not None and stop.settled else self.state.drivers
+            self.requests.ask(AskRelease(source="key", missing=list(named)))
             self.leave()
-
-    def _missing(self) -> list[str]:
-        """Whom the wizard has read of; before the confirmation that is every driver."""
-        stop = self.state.session.stop
-        named = stop.missing if stop is not None and stop.settled else self.state.drivers
-        return list(named)

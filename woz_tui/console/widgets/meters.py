@@ -199,12 +199,12 @@ def sensor_groups(state: ConsoleState, known: Sequence[str]) -> dict[str, list[S
     return {name: groups[name] for name in names}
 
 
-def _group(
+def _group_row(
     name: str, sensors: list[SensorView], state: ConsoleState, frame: MeterFrame, below: bool
 ) -> Row:
     """`below`: it stands under the sensor whose parts they are, which has the name."""
     if len(sensors) == 1:
-        return _alone(sensors[0], state, frame)
+        return _sensor_row(sensors[0], state, frame)
     members = []
     if all(state.perception.hides(perceived_kind(sensor.name)) for sensor in sensors):
         return hidden_row(name, frame)
@@ -218,7 +218,7 @@ def _group(
     return _wrapped(name_piece("" if below else name, frame), members, frame, 1)[0]
 
 
-def _alone(sensor: SensorView, state: ConsoleState, frame: MeterFrame) -> Row:
+def _sensor_row(sensor: SensorView, state: ConsoleState, frame: MeterFrame) -> Row:
     if state.perception.hides(perceived_kind(sensor.name)):
         return hidden_row(sensor.name, frame)
     ever = sensor.value is not None or sensor.text or sensor.state == "stale"
@@ -279,7 +279,8 @@ def meter_rows(state: ConsoleState, space: PaintFrame) -> list[Row]:
             parts[f"{robot}visitor"] = _verdicts(state, robot, frame)
         parts["engagement"] = _engagement(state, frame)
     others = {
-        name: _group(name, sensors, state, frame, name in parts) for name, sensors in groups.items()
+        name: _group_row(name, sensors, state, frame, name in parts)
+        for name, sensors in groups.items()
     }
     room = frame.height - sum(map(len, parts.values()))
     parts["pose"] = joint_rows(state, frame, room, len(others))

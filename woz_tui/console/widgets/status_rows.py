@@ -60,8 +60,13 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
     """Two rows of the frame's width. What does not fit is left out from the right, as a whole."""
     glyphs, width = frame.glyphs, frame.width
     vitals: Row = ()
-    if state.replay is not None:
-        vitals = _log(state, glyphs)
+    if state.replay is not None:  # the day of the session, and whether all of its log is there
+        began = wall_time(state.settings, 0)
+        day = f"  {began:%Y-%m-%d}  " if began is not None else "  "
+        whole: Piece = ("log complete ", "muted")
+        if state.settings.replay and state.settings.replay.notes:
+            whole = (f"{glyphs.warning} log incomplete ", "warn")
+        vitals = ((day, "plain"), whole)
     else:
         for part in (_recorder(state, frame), _line(state, line, frame)):
             vitals += (("  ", "plain"), *part)
@@ -197,15 +202,6 @@ def _recorder(state: ConsoleState, frame: PaintFrame) -> Row:
             return ((f" {glyphs.error} {what} ", "alarm"),)
         case _:
             return ((f"{glyphs.no} Not recording yet", "muted"),)
-
-
-def _log(state: ConsoleState, glyphs: Glyphs) -> Row:
-    """In a replay: the day of the session, and whether all of its log is there."""
-    began = wall_time(state.settings, 0)
-    day = f"  {began:%Y-%m-%d}  " if began is not None else "  "
-    damaged = bool(state.settings.replay and state.settings.replay.notes)
-    found = (f"{glyphs.warning} log incomplete ", "warn") if damaged else ("log complete ", "muted")
-    return (day, "plain"), found
 
 
 def _line(state: ConsoleState, line: StatusInfo, frame: PaintFrame) -> Row:

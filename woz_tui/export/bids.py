@@ -22,7 +22,7 @@ from woz_tui.analysis.feature_report import BehaviourTable, reports
 from woz_tui.analysis.participants import somebody_was_there
 from woz_tui.analysis.tables import EVENTS, Cell, Column, TableDefinition
 from woz_tui.analysis.text_format import counted
-from woz_tui.export.event_model import ExportEvent, ExportSession, JoinedRecording, letters
+from woz_tui.export.event_model import ExportEvent, ExportSession, letters
 from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
 from woz_tui.export.feature_export import exported_episodes
 from woz_tui.export.log_sources import LogSource
@@ -30,7 +30,6 @@ from woz_tui.export.output_folder import OutputFolder
 from woz_tui.feature import pieces
 from woz_tui.log.log_reader import Damage
 from woz_tui.protocol.kinds import message_kinds
-from woz_tui.protocol.messages import Reading
 from woz_tui.system.text_cleaning import cell, one_line
 
 VERSION = "1.11.1"
@@ -156,7 +155,36 @@ class BidsExporter(Exporter):
 
     def _common(self, session: ExportSession) -> dict[str, Any]:
         """The fields that every sidecar of a session has."""
-        return {"TaskName": self._task(session), **_about_log(session)}
+        start, joined = session.start, session.recording
+        software = start.software if start else {}
+        common = {
+            "TaskName": self._task(session),
+            "StimulusPresentation": {
+                "OperatingSystem": "Linux",
+                "SoftwareName": software.get("name", "woz-tui"),
+                "SoftwareVersion": software.get("version", "n/a"),
+            },
+            "Log": {
+                "Name": session.name,
+                "Session": session.code,
+                "Wizard": session.wizard,
+                "Experiment": start.experiment if start else "",
+                "ExperimentSHA256": start.experiment_sha256 if start else "",
+                "DurationSeconds": session.duration / 1_000_000,
+                "MonotonicSecondsAtZero": None
+                if session.figures.monotonic_us is None
+                else session.figures.monotonic_us / 1e6,
+                "Damage": session.damage,
+                "Redacted": session.redacted,
+            },
+        }
+        if joined is not None:  # its time is that of the session's onsets
+            common["Recording"] = {
+                **({} if session.redacted else {"Name": joined.name}),
+                "Stream": joined.stream,
+                "SessionStartSeconds": joined.offset / 1e6,
+            }
+        return common
 
     def _task(self, session: ExportSession) -> str:
         """The label of the task: the first file of the session's experiment."""
@@ -168,8 +196,12 @@ class BidsExporter(Exporter):
         scans: dict[str, list[list[str]]] = {}
         for runs in self._runs.values():
             for number, run in enumerate(runs, start=1):
-                self._named(run, number, alone=len(runs) == 1)
-                stem = PurePath(run.path(0 if len(runs) == 1 else number)).name
+                alone = len(runs) == 1
+                if alone:  # no number has to tell its files apart
+                    written = self._folder.path / run.path(number)
+                    for path in written.parent.glob(f"{written.name}_*"):
+                        path.rename(path.with_name(path.name.replace(f"_run-{number}_", "_", 1)))
+                stem = PurePath(run.path(0 if alone else number)).name
                 if run.started:
                     rows = [[f"beh/{stem}_{kind}.tsv", run.started] for kind in run.kinds]
                     scans.setdefault(run.place, []).extend(rows)
@@ -177,35 +209,22 @@ class BidsExporter(Exporter):
             name = f"{place}/{place.replace('/', '_')}_scans.tsv"
             write_table(self._folder, name, ["filename", "acq_time"], rows)
         if self._conditions:
-            self._participants()
-        write_json(self._folder, "dataset_description.json", self._description())
-        super().finish(summaries)
-
-    def _named(self, run: _Run, number: int, *, alone: bool) -> None:
-        """Removes the number from the files of a run that is the only one."""
-        if not alone:
-            return
-        written = self._folder.path / run.path(number)
-        for path in written.parent.glob(f"{written.name}_*"):
-            path.rename(path.with_name(path.name.replace(f"_run-{number}_", "_", 1)))
-
-    def _participants(self) -> None:
-        rows = [
-            [f"sub-{label}", bids_cell(", ".join(found))]
-            for label, found in self._conditions.items()
-        ]
-        write_table(self._folder, "participants.tsv", ["participant_id", "conditions"], rows)
-        meaning = "Conditions in which the participant was, in order."
-        write_json(self._folder, "participants.json", {"conditions": {"Description": meaning}})
-
-    def _description(self) -> dict[str, Any]:
+            rows = [
+                [f"sub-{label}", bids_cell(", ".join(found))]
+                for label, found in self._conditions.items()
+            ]
+            write_table(self._folder, "participants.tsv", ["participant_id", "conditions"], rows)
+            meaning = "Conditions in which the participant was, in order."
+            write_json(self._folder, "participants.json", {"conditions": {"Description": meaning}})
         names = ", ".join(PurePath(name).stem for name in self._experiments if name)
-        return {
+        description = {
             "Name": f"Wizard-of-Oz sessions: {names or 'no experiment'}",
             "BIDSVersion": VERSION,
             "DatasetType": "raw",
             "GeneratedBy": [{"Name": "woz-tui", "Version": __version__}],
         }
+        write_json(self._folder, "dataset_description.json", description)
+        super().finish(summaries)
 
 
 def _of_nobody(
@@ -219,42 +238,6 @@ def _of_nobody(
     others = Counter(event.participant for event in events if event.participant not in codes)
     others[""] -= len(setup)
     return setup, +others
-
-
-def _about_log(session: ExportSession) -> dict[str, Any]:
-    """How a session was recorded, for its sidecars."""
-    start = session.start
-    software = start.software if start else {}
-    return {
-        "StimulusPresentation": {
-            "OperatingSystem": "Linux",
-            "SoftwareName": software.get("name", "woz-tui"),
-            "SoftwareVersion": software.get("version", "n/a"),
-        },
-        "Log": {
-            "Name": session.name,
-            "Session": session.code,
-            "Wizard": session.wizard,
-            "Experiment": start.experiment if start else "",
-            "ExperimentSHA256": start.experiment_sha256 if start else "",
-            "DurationSeconds": session.duration / 1_000_000,
-            "MonotonicSecondsAtZero": None
-            if session.figures.monotonic_us is None
-            else session.figures.monotonic_us / 1e6,
-            "Damage": session.damage,
-            "Redacted": session.redacted,
-        },
-        **_about_recording(session.recording, session.redacted),
-    }
-
-
-def _about_recording(recording: JoinedRecording | None, redacted: bool) -> dict[str, Any]:
-    """On whose time the session's onsets are."""
-    if recording is None:
-        return {}
-    about = {"Stream": recording.stream, "SessionStartSeconds": recording.offset / 1e6}
-    name = {} if redacted else {"Name": recording.name}
-    return {"Recording": {**name, **about}}
 
 
 def _moved_us(session: ExportSession) -> int:
@@ -289,6 +272,7 @@ _MOMENTS = {
     str(kind.__struct_config__.tag): (kind.__doc__ or "").strip().partition("\n\n")[0]
     for kind in message_kinds()
 }
+_UNKNOWN = "a line of the log that this version does not know"
 #: BIDS has its own name for this one, and wants the first three columns first.
 _RENAMED = {"kind": "trial_type"}
 _OF_EVENTS = (
@@ -328,7 +312,11 @@ def write_events(
     del meanings["onset"], meanings["duration"]  # BIDS' own
     meanings["trial_type"] = {
         "Description": "What happened; of moments, the kind of the log's line.",
-        "Levels": {kind: _level(kind) for kind in dict.fromkeys(each.kind for each in events)},
+        "Levels": {
+            # Of moments, what the log's format says of the line.
+            kind: _KINDS.get(kind) or _MOMENTS.get(kind, _UNKNOWN)
+            for kind in dict.fromkeys(each.kind for each in events)
+        },
     }
     write_json(folder, f"{stem}_events.json", {**common, **meanings})
 
@@ -376,13 +364,6 @@ def write_json(folder: OutputFolder, name: str, content: Mapping[str, Any]) -> N
 def _columns(table: TableDefinition[Any], names: Iterable[str]) -> list[Column[Any]]:
     of_table = {column.name: column for column in table.columns}
     return [of_table[name] for name in names]
-
-
-def _level(kind: str) -> str:
-    """What a kind of event is; of moments, what the log's format says of the line."""
-    return _KINDS.get(kind) or _MOMENTS.get(
-        kind, "a line of the log that this version does not know"
-    )
 
 
 def _event_cell(session: ExportSession, event: ExportEvent, column: Column[Any]) -> Cell:
@@ -476,12 +457,10 @@ class _Resampled:
             while due < reading.t:
                 yield self._row()
                 due += _STEP_US
-            self._add(reading)
+            if reading.sensor in self._latest:
+                value = reading.value
+                self._latest[reading.sensor] = NONE if value is None else repr(value)
         yield self._row()
-
-    def _add(self, reading: Reading) -> None:
-        if reading.sensor in self._latest:
-            self._latest[reading.sensor] = NONE if reading.value is None else repr(reading.value)
 
     def _row(self) -> bytes:
         return ("\t".join(self._latest.values()) + "\n").encode()

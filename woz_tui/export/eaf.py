@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import PurePath
 from urllib.parse import quote
@@ -145,7 +145,14 @@ def document(
             root, "TIER", {"LINGUISTIC_TYPE_REF": _TYPE, "TIER_ID": one_line(tier.name)}
         )
         for span in tier.spans:
-            _annotation(element, number + 1, span, slots[2 * number : 2 * number + 2])
+            attributes = {
+                "ANNOTATION_ID": f"a{number + 1}",
+                "TIME_SLOT_REF1": slots[2 * number],
+                "TIME_SLOT_REF2": slots[2 * number + 1],
+            }
+            annotation = ET.SubElement(element, "ANNOTATION")
+            alignable = ET.SubElement(annotation, "ALIGNABLE_ANNOTATION", attributes)
+            ET.SubElement(alignable, "ANNOTATION_VALUE").text = visible(span.text)
             number += 1
     ET.SubElement(
         root,
@@ -198,14 +205,3 @@ def _time_order(root: ET.Element, tiers: Iterable[Tier]) -> list[str]:
         attributes = {"TIME_SLOT_ID": slots[place], "TIME_VALUE": str(moments[place])}
         ET.SubElement(order, "TIME_SLOT", attributes)
     return slots
-
-
-def _annotation(tier: ET.Element, number: int, span: TierSpan, slots: Sequence[str]) -> None:
-    attributes = {
-        "ANNOTATION_ID": f"a{number}",
-        "TIME_SLOT_REF1": slots[0],
-        "TIME_SLOT_REF2": slots[1],
-    }
-    annotation = ET.SubElement(tier, "ANNOTATION")
-    alignable = ET.SubElement(annotation, "ALIGNABLE_ANNOTATION", attributes)
-    ET.SubElement(alignable, "ANNOTATION_VALUE").text = visible(span.text)

@@ -45,7 +45,7 @@ class TextGridExporter(Exporter):
         if self._options.sound:
             length, notes = write_sound(session, self._folder, f"{session.name}.wav")
         tiers = for_praat(session)
-        end = max([session.duration, length, SHORTEST_US, *map(_end, tiers)])
+        end = max([session.duration, length, SHORTEST_US, *(tier.spans[-1].end for tier in tiers)])
         with self._folder.text(f"{session.name}.TextGrid") as file:
             file.writelines(f"{line}\n" for line in _lines(tiers, end))
         return notes
@@ -56,10 +56,6 @@ def for_praat(session: ExportSession) -> list[Tier]:
     return unique_names(
         each for tier in tiers_of(session) for each in without_overlaps(tier, SHORTEST_US)
     )
-
-
-def _end(tier: Tier) -> int:
-    return tier.spans[-1].end
 
 
 def _lines(tiers: list[Tier], end: int) -> Iterator[str]:
@@ -77,25 +73,20 @@ def _lines(tiers: list[Tier], end: int) -> Iterator[str]:
         yield f"        name = {_quoted(tier.name)}"
         yield "        xmin = 0"
         yield f"        xmax = {seconds(end)}"
-        yield from _points(tier) if tier.points else _intervals(tier, end)
-
-
-def _points(tier: Tier) -> Iterator[str]:
-    yield f"        points: size = {len(tier.spans)}"
-    for number, span in enumerate(tier.spans, start=1):
-        yield f"        points [{number}]:"
-        yield f"            number = {seconds(span.begin)}"
-        yield f"            mark = {_quoted(span.text)}"
-
-
-def _intervals(tier: Tier, end: int) -> Iterator[str]:
-    covering = list(_covering(tier, end))
-    yield f"        intervals: size = {len(covering)}"
-    for number, span in enumerate(covering, start=1):
-        yield f"        intervals [{number}]:"
-        yield f"            xmin = {seconds(span.begin)}"
-        yield f"            xmax = {seconds(span.end)}"
-        yield f"            text = {_quoted(span.text)}"
+        if tier.points:
+            yield f"        points: size = {len(tier.spans)}"
+            for place, span in enumerate(tier.spans, start=1):
+                yield f"        points [{place}]:"
+                yield f"            number = {seconds(span.begin)}"
+                yield f"            mark = {_quoted(span.text)}"
+        else:
+            covering = list(_covering(tier, end))
+            yield f"        intervals: size = {len(covering)}"
+            for place, span in enumerate(covering, start=1):
+                yield f"        intervals [{place}]:"
+                yield f"            xmin = {seconds(span.begin)}"
+                yield f"            xmax = {seconds(span.end)}"
+                yield f"            text = {_quoted(span.text)}"
 
 
 def _covering(tier: Tier, end: int) -> Iterator[TierSpan]:

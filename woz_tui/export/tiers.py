@@ -6,6 +6,7 @@ from bisect import bisect_left, insort
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
+from operator import attrgetter
 
 import msgspec
 
@@ -137,7 +138,8 @@ def _words(event: ExportEvent) -> str:
         case kind if any(how.kind == kind for how in exported_episodes().values()):
             parts = [event.label, _marks(event)]
         case kind if kind in _SETTINGS | settings_kinds():
-            more = "" if event.label or event.text else _plainly(event)
+            told = event.label or event.text
+            more = "" if told else msgspec.json.encode(event.details).decode()
             parts = [kind, event.label, event.text, more]
         case kind:
             parts = [kind.rpartition(".")[2], event.label, event.text]
@@ -150,10 +152,6 @@ def _marks(event: ExportEvent) -> str:
     marks += ["mistake"] if event.mistake else []
     marks += ["edited"] if event.edited else []
     return f"[{', '.join(marks)}]" if marks else ""
-
-
-def _plainly(event: ExportEvent) -> str:
-    return msgspec.json.encode(event.details).decode()
 
 
 def without_overlaps(tier: Tier, shortest: int = 0) -> list[Tier]:
@@ -179,13 +177,9 @@ def _times(span: TierSpan) -> tuple[int, int]:
     return span.begin, span.end
 
 
-def _begin(span: TierSpan) -> int:
-    return span.begin
-
-
 def _has_room(row: list[TierSpan], span: TierSpan) -> bool:
     """Whether nothing on the row overlaps the span, or begins when it does."""
-    place = bisect_left(row, span.begin, key=_begin)
+    place = bisect_left(row, span.begin, key=attrgetter("begin"))
     before = row[place - 1] if place else None
     after = row[place] if place < len(row) else None
     return (before is None or before.end <= span.begin) and (

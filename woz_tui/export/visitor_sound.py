@@ -26,7 +26,8 @@ def write_sound(session: ExportSession, folder: OutputFolder, name: str) -> tupl
         return 0, problems
     shape = clips[0][1]
     rate, frame = shape.framerate, shape.nchannels * shape.sampwidth
-    length = max(_frames(session.duration, rate), _last(clips, rate))
+    ends = (_frames(clip.begin, rate) + shape.nframes for clip, shape in clips)
+    length = max(_frames(session.duration, rate), *ends)
     if length > _LONGEST * rate:
         return 0, [*problems, f"{session.name}: too long for a file of sound"]
     with folder.binary(name) as file, wave.open(file, "wb") as sound:
@@ -74,10 +75,6 @@ def readable_clips(session: ExportSession) -> tuple[_Clips, list[str]]:
 
 def _frames(us: int, rate: int) -> int:
     return us * rate // 1_000_000
-
-
-def _last(clips: _Clips, rate: int) -> int:
-    return max(_frames(clip.begin, rate) + shape.nframes for clip, shape in clips)
 
 
 def _blocks(clips: _Clips, rate: int, frame: int, length: int) -> Iterator[bytes]:

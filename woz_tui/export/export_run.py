@@ -10,7 +10,7 @@ from pathlib import Path
 from woz_tui.export.bids import BidsExporter
 from woz_tui.export.csv_files import CsvExporter
 from woz_tui.export.eaf import EafExporter
-from woz_tui.export.event_model import NO_FIGURES, ExportSession
+from woz_tui.export.event_model import NO_FIGURES
 from woz_tui.export.exporter import Exporter, ExportOptions, SessionSummary
 from woz_tui.export.jsonl import JsonlExporter
 from woz_tui.export.log_sources import (
@@ -69,18 +69,13 @@ def export(
             if options.recording is not None:
                 session.recording = joined(options.recording, session, source)
                 notes += session.recording.notes
-            summaries.append(_summary(session, [*notes, *exporter.add(session, source)]))
+            notes += exporter.add(session, source)
+            count = len(session.events)
+            summaries.append(SessionSummary(session, notes, session.participants, count))
+            # They would fill the memory over hundreds of sessions.
+            session.events, session.figures = [], NO_FIGURES
             yield summaries[-1]
         exporter.finish(summaries)
-
-
-def _summary(session: ExportSession, notes: list[str]) -> SessionSummary:
-    """Summarises a session and drops its events, which would fill the memory over hundreds of
-    sessions.
-    """
-    summary = SessionSummary(session, notes, session.participants, len(session.events))
-    session.events, session.figures = [], NO_FIGURES
-    return summary
 
 
 def _keep_sources(sources: Sequence[LogSource], out: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, BinaryIO
 
 import msgspec
@@ -15,6 +15,7 @@ from woz_tui.log.log_reader import Damage, LogLine
 from woz_tui.protocol.messages import Reading
 
 _encoder = msgspec.json.Encoder()
+#: A sample with no other fields needs no redaction, as most.
 _NO_WORDS = frozenset({"kind", "seq", "t", "sensor", "value", "unit", "driver", "raw", "bad"})
 _ABOUT = """## Files
 
@@ -45,11 +46,6 @@ class JsonlExporter(Exporter):
         return shown_line(line, redact=self._options.redact, private=self._options.private)
 
 
-def _wordless(line: LogLine) -> bool:
-    """Whether a line clearly needs no redaction, as most samples."""
-    return isinstance(line.message, Reading) and _NO_WORDS.issuperset(line.fields)
-
-
 class LogCopy:
     """A log being copied into two files. `change`: what the copy has of each line that may have
     words; `redacted`: the copy says that they were taken out.
@@ -70,24 +66,21 @@ class LogCopy:
 
     def add(self, line: LogLine) -> None:
         """The next line of the log."""
-        if not _wordless(line):
+        wordless = isinstance(line.message, Reading) and _NO_WORDS.issuperset(line.fields)
+        if not wordless:
             line = self._change(line)
         if line.sample:
             self._samples.write(line.raw + b"\n")
             return
-        anew = self._anew(line.kind, line.fields)
-        raw = line.raw if anew is None else _encoder.encode({**line.fields, **anew})
+        differs: dict[str, Any] = {}
+        match line.kind:
+            case "session.start" if self._redacted:
+                differs = {"redacted": True}
+            case "checkpoint":
+                differs = {"sha256": self._sum.hexdigest(), "lines": self._lines}
+            case "session.end" if line.fields.get("sha256"):
+                differs = {"sha256": self._sum.hexdigest()}
+        raw = _encoder.encode({**line.fields, **differs}) if differs else line.raw
         self._actions.write(raw + b"\n")
         self._sum.update(raw + b"\n")
         self._lines += 1
-
-    def _anew(self, kind: str, fields: Mapping[str, Any]) -> dict[str, Any] | None:
-        """The fields that differ in the copy; None: the line is copied as it is."""
-        match kind:
-            case "session.start" if self._redacted:
-                return {"redacted": True}
-            case "checkpoint":
-                return {"sha256": self._sum.hexdigest(), "lines": self._lines}
-            case "session.end" if fields.get("sha256"):
-                return {"sha256": self._sum.hexdigest()}
-        return None

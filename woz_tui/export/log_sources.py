@@ -148,7 +148,9 @@ def read_session(
         session.damage.append(files.no_end())
     if session.lines and session.start is None:
         session.damage.append("the first line is missing: all codes are unknown")
-    session.name = _name(session)
+    if redact:  # the log's own name has its date
+        codes = [*session.participants[:1], session.code]
+        session.name = "_".join(letters(code, "") for code in codes if code) or "session"
     integrity = LogIntegrity(sentences=tuple(session.damage), ended=bool(session.end_reason))
     figures = replace(session.figures, wholeness=integrity)
     session.figures = replace(figures, monotonic_us=None) if redact else figures
@@ -175,14 +177,6 @@ def nameless(damage: Damage) -> Damage:
     return replace(
         damage, places=[], kinds=[], unreadable=unreadable, absent=absent, saved_again=again
     )
-
-
-def _name(session: ExportSession) -> str:
-    """The log's own name; without its date if dates are taken out."""
-    if not session.redacted:
-        return session.name
-    codes = [*session.participants[:1], session.code]
-    return "_".join(letters(code, "") for code in codes if code) or "session"
 
 
 class _Sums:

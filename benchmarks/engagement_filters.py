@@ -38,7 +38,7 @@ from benchmarks.filters.bench_figures import (
 from benchmarks.filters.bench_scenes import BACK, CALM, TALKS
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.engagement import OptionsError, add_settings, settings_of
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_words import CONDITION, SIGNS
 from woz_tui.console.drawing.text_console import TextConsole
@@ -89,7 +89,7 @@ def main(words: Sequence[str] | None = None) -> int:
         parser.error(str(error))
     if unfit := _unfit(settings):
         parser.error(unfit)
-    return with_error_sentences(lambda: run(arguments, settings), who="engagement_filters")
+    return CommandErrors(who="engagement_filters").told(run, arguments, settings)
 
 
 def run(arguments: Namespace, settings: EngagementSettings) -> int:

@@ -172,10 +172,7 @@ def test_a_folder_that_is_not_there(folder: Path) -> None:
 def test_the_command_tells_in_a_sentence(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    parser = argparse.ArgumentParser()
-    convert.add(parser)
-    arguments = parser.parse_args([str(tmp_path / "x.yaml")])
-    assert convert.run(arguments) == 1
+    assert main(["convert", str(tmp_path / "x.yaml")]) == 1
     assert capsys.readouterr().err.startswith("woz convert: ")
 
 

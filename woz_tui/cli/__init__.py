@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NoReturn
 
 from woz_tui import __version__
-from woz_tui.cli.error_sentences import is_output_error
+from woz_tui.cli.error_sentences import CommandErrors, is_output_error
 from woz_tui.cli.safe_streams import clean_streams
 from woz_tui.feature import features
 from woz_tui.system import terminal_size
@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
 #: Command -> its module's one-line summary. A module has `add(parser)`, which declares its
 #: options, and `run`, a function from the parsed arguments to the exit code; where the command has
-#: commands of its own, `add` sets which of them runs. In the order of `woz --help`.
+#: commands of its own, `add` sets which of them runs. `ERRORS` are those that are told in a
+#: sentence, if they are not just those of all commands. In the order of `woz --help`.
 COMMANDS = {
     "run": "start the robot process and the console: a session",
     "demo": "start a session with a simulated robot and a simulated visitor",
@@ -141,7 +142,8 @@ def _program_parser() -> tuple[ArgumentParser, _Commands]:
 
 def _declare(command: ArgumentParser, place: str) -> None:
     module = importlib.import_module(place)
-    command.set_defaults(run=module.run)
+    errors = getattr(module, "ERRORS", CommandErrors())
+    command.set_defaults(run=module.run, errors=errors)
     module.add(command)
 
 
@@ -198,7 +200,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if unknown:
         used.error(f"unrecognized arguments: {' '.join(unknown)}")
     try:
-        code: int = parsed.run(parsed)
+        code: int = parsed.errors.told(parsed.run, parsed)
         if sys.stdout is not None:  # it may have been closed: >&-
             sys.stdout.flush()
     except KeyboardInterrupt:

@@ -9,11 +9,12 @@ from pathlib import Path
 from rich.table import Table
 
 from woz_tui.cli.argument_types import listen_address, number
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.network.certificates import AccessError, Authority
 from woz_tui.network.listen_address import DRIVERS_LISTEN, ListenAddress
 
+ERRORS = CommandErrors(AccessError)
 LONGEST_DAYS = 3650
 #: Where the manual's sessions listen for other machines.
 USUAL_PORT = 8765
@@ -50,7 +51,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Carry out the command that was chosen."""
-    return with_error_sentences(lambda: int(arguments.command(arguments)), AccessError)
+    return int(arguments.command(arguments))
 
 
 def _new(arguments: Namespace) -> int:

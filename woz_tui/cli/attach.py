@@ -49,7 +49,17 @@ def run(arguments: Namespace) -> int:
     if given:
         print(f"woz: a participant plays no robot: leave {given} out", file=sys.stderr)
         return 2
-    return console_start.with_terminal(lambda: _attach(arguments))
+    if console_start.lacks_terminal():
+        return 2
+    if arguments.access is not None:
+        from woz_tui.cli.remote_start import remote_session  # noqa: PLC0415 - few come from afar
+
+        with remote_session(arguments.access, arguments.name) as line:
+            if line is None or line.socket is None:
+                return 1
+            return _open(arguments, line.socket, line.explained)
+    socket = find_socket(arguments)
+    return 1 if socket is None else _open(arguments, socket)
 
 
 def _screens() -> dict[ParticipantScreen, str]:
@@ -77,18 +87,6 @@ def _of_wizards(arguments: Namespace) -> str:
         "--pictures": arguments.pictures != "auto",
     }
     return ", ".join(name for name, value in alien.items() if value)
-
-
-def _attach(arguments: Namespace) -> int:
-    if arguments.access is not None:
-        from woz_tui.cli.remote_start import remote_session  # noqa: PLC0415 - few come from afar
-
-        with remote_session(arguments.access, arguments.name) as line:
-            if line is None or line.socket is None:
-                return 1
-            return _open(arguments, line.socket, line.explained)
-    socket = find_socket(arguments)
-    return 1 if socket is None else _open(arguments, socket)
 
 
 def _open(arguments: Namespace, socket: Path, explain: Callable[[Loss], Loss] | None = None) -> int:

@@ -9,9 +9,11 @@ from functools import partial
 from woz_tui.bridge.stomp_bridge import StompBridge
 from woz_tui.bridge.stomp_connection import StompError
 from woz_tui.bridge.topic_table import load_table
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.stomp_options import add_broker, broker_place
 from woz_tui.client import WozError, connect
+
+ERRORS = CommandErrors(StompError, ValueError, WozError)
 
 
 def add(parser: ArgumentParser) -> None:
@@ -31,9 +33,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Serve until ctrl+c."""
-    return with_error_sentences(
-        lambda: asyncio.run(_bridge(arguments)), StompError, ValueError, WozError
-    )
+    return asyncio.run(_bridge(arguments))
 
 
 async def _bridge(arguments: Namespace) -> int:

@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from woz_tui.cli import check_why, robot_fit, study_summary
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.config import keys
 from woz_tui.config.action_text import action_text, main_arguments
 from woz_tui.config.experiment import (
@@ -40,6 +40,7 @@ from woz_tui.protocol.messages import Json
 from woz_tui.protocol.panels import covers_verb
 from woz_tui.sensing.engagement_summary import engagement_json, engagement_lines
 
+ERRORS = CommandErrors(who="woz check")
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
 
@@ -87,7 +88,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Print errors to stderr and return 1, or what was asked for and the verdict, and return 0."""
-    return with_error_sentences(lambda: check(arguments, plugins.installed()), who="woz check")
+    return check(arguments, plugins.installed())
 
 
 def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:

@@ -9,14 +9,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from woz_tui.cli.argument_types import number
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.safe_streams import json_text
+from woz_tui.log.coding_file import CodingError
 
 if TYPE_CHECKING:
     from woz_tui.analysis.coder_agreement import Agreement
     from woz_tui.cli.report_layout import ReportPage
     from woz_tui.log.coding_file import Codings
 
+ERRORS = CommandErrors(CodingError, who="woz coding")
 #: What stands for a bin without a code.
 NO_CODE = "(none)"
 
@@ -45,12 +47,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print codes or agreement; 1 if there is nothing to compare."""
-    from woz_tui.log.coding_file import CodingError  # noqa: PLC0415
-
-    return with_error_sentences(lambda: _run(arguments), CodingError, who="woz coding")
-
-
-def _run(arguments: argparse.Namespace) -> int:
     from woz_tui.log.coding_file import coding_path, read_codings  # noqa: PLC0415
     from woz_tui.log.log_reader import files_of  # noqa: PLC0415
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from woz_tui.analysis.experiment_names import ExperimentNames
 from woz_tui.analysis.played_actions import PlayedAct, PlayedSession, played_session
 from woz_tui.analysis.session_comparison import BY_COMMANDS, ActPair, Comparison, compare, facts
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.log.log_reader import Damage, files_of, read
 from woz_tui.log.sessions import sessions_in
@@ -20,6 +20,7 @@ from woz_tui.system.text_cleaning import clean
 #: Lines of each part of the table, unless `--all` is given.
 SHOWN = 20
 _DIFFERENT, _TROUBLE = 1, 2
+ERRORS = CommandErrors(code=_TROUBLE)
 
 
 def add(parser: ArgumentParser) -> None:
@@ -37,10 +38,6 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Compare; 0 the same, 1 different, 2 not comparable."""
-    return with_error_sentences(lambda: _run(arguments), code=_TROUBLE)
-
-
-def _run(arguments: Namespace) -> int:
     read_in = _read(arguments.a), _read(arguments.b)
     if read_in[0] is None or read_in[1] is None:
         return _TROUBLE

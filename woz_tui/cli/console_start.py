@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from woz_tui.cli import GC_THRESHOLDS
-from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.progress import progress
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
 from woz_tui.console.link.host_start import Launch, LaunchError, RobotProcess
@@ -60,15 +59,12 @@ class ScreenOptions:
     greeting: tuple[str, str] = ("", "")
 
 
-def with_terminal(work: Callable[[], int], hint: str = "") -> int:
-    """`with_error_sentences(work)`; 2 after saying why this terminal can have no console, and
-    `hint`.
-    """
+def lacks_terminal(hint: str = "") -> bool:
+    """Whether this terminal can have no console; that is said, with `hint`."""
     problem = terminal_problem()
     if problem:
         print(f"woz: {problem}{hint}", file=sys.stderr)
-        return 2
-    return with_error_sentences(work)
+    return bool(problem)
 
 
 def terminal_problem() -> str:

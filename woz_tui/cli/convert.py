@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
 from woz_tui.analysis.text_format import counted
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.config import woz4u
 from woz_tui.config.experiment_file import TOP_LEVEL
 from woz_tui.config.file_position import ExperimentError
@@ -28,6 +28,13 @@ _HEAD = """{name} of WoZ4U, as `woz convert` wrote it: the same experiment.
 docs/how-to/woz4u.md explains how each key was converted; `woz check --keys` shows the keys."""
 
 
+class ConvertError(RuntimeError):
+    """Nothing was written; the text says why."""
+
+
+ERRORS = CommandErrors(ConvertError, who="woz convert")
+
+
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("file", type=Path, help="config.yaml of WoZ4U")
@@ -39,13 +46,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Write the file, print warnings to stderr and return 0; or errors, and 1."""
-    return with_error_sentences(
-        lambda: convert(arguments, plugins.installed()), ConvertError, who="woz convert"
-    )
-
-
-class ConvertError(RuntimeError):
-    """Nothing was written; the text says why."""
+    return convert(arguments, plugins.installed())
 
 
 def convert(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TextIO
 
 from woz_tui.cli.argument_types import listen_address
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.config.loading import load_robot
 from woz_tui.drivers import plugins
 from woz_tui.network.certificates import AccessError, AccessFile
@@ -27,6 +27,7 @@ from woz_tui.network.zenoh_line import connect
 from woz_tui.session.driver_faults import tell_faults
 from woz_tui.system import session_sockets
 
+ERRORS = CommandErrors(AccessError, LineError, ValueError, who="woz drivers")
 #: How long until the session is looked for again, in seconds.
 RETRY_S = 1.0
 _PORT = DRIVERS_LISTEN.rpartition(":")[2]
@@ -63,12 +64,6 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Offer them until ctrl+c or a signal to end, whatever becomes of the terminal."""
-    return with_error_sentences(
-        lambda: _drivers(arguments), AccessError, LineError, ValueError, who="woz drivers"
-    )
-
-
-def _drivers(arguments: Namespace) -> int:
     access = AccessFile.read(arguments.access) if arguments.access is not None else None
     address = arguments.address or _address_in(access)
     if not ListenAddress.read(address).plain and access is None:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from woz_tui.cli.argument_types import number
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_words import CONDITION, FILTERS, SIGNS, START_UPS, TURNS
@@ -61,6 +61,9 @@ class OptionsError(Exception):
 
 class SamplesFileError(Exception):
     """A file that is not what it seems to be; the text says why."""
+
+
+ERRORS = CommandErrors(SamplesFileError, who="woz engagement")
 
 
 def add(parser: ArgumentParser) -> None:
@@ -138,7 +141,7 @@ def add_settings(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Print a line for each line; 0, 1 for a file that cannot be read, 2 for wrong options."""
     try:
-        return with_error_sentences(lambda: _run(arguments), SamplesFileError, who="woz engagement")
+        return _run(arguments)
     except OptionsError as error:
         _print_error(str(error))
         return 2

@@ -5,7 +5,9 @@ from __future__ import annotations
 import errno
 import sys
 from collections.abc import Callable
+from typing import ParamSpec
 
+_Given = ParamSpec("_Given")
 _REMEDIES = {
     errno.EEXIST: "choose another path, or remove the existing file",
     errno.ENOTDIR: "a part of this path is a file; name a folder",
@@ -35,40 +37,53 @@ def is_output_error(error: Exception) -> bool:
     return (full and not hasattr(error, "__notes__")) or isinstance(error, BrokenPipeError)
 
 
-def with_error_sentences(
-    work: Callable[[], int], *more: type[Exception], who: str = "woz", code: int = 1
-) -> int:
-    """Do `work` and return its exit code, or `code` after saying on standard error as `who` what
-    went wrong. `more`: errors of the command's own whose texts are for people.
+class CommandErrors:
+    """Which errors of a command are sentences: those of all commands, and those it names.
+
+    Args:
+        more: Errors of the command's own whose texts are for people.
+        who: Who says them.
+        code: The exit code after one.
     """
-    try:
-        return work()
-    except Exception as error:
-        if is_output_error(error):
-            raise
-        sentences = _sentences(error, who, more)
-        if sentences is None:
-            raise
-        print(sentences, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
-    return code
 
+    def __init__(self, *more: type[Exception], who: str = "woz", code: int = 1) -> None:
+        self._more = more
+        self._who = who
+        self._code = code
 
-def _sentences(error: Exception, who: str, more: tuple[type[Exception], ...]) -> str | None:
-    """The error in sentences; None if it is a bug of the program."""
-    # Here, so that what needs no explanation starts without them.
-    from woz_tui.config.file_position import ExperimentError  # noqa: PLC0415
-    from woz_tui.drivers.plugins import PluginError  # noqa: PLC0415
-    from woz_tui.protocol.refusal import RequestError  # noqa: PLC0415
+    def told(self, work: Callable[_Given, int], *args: _Given.args, **more: _Given.kwargs) -> int:
+        """Do `work` and return its exit code, or the errors' after saying on standard error what
+        went wrong.
+        """
+        try:
+            return work(*args, **more)
+        except Exception as error:
+            if is_output_error(error):
+                raise
+            sentences = self._sentences(error)
+            if sentences is None:
+                raise
+            print(sentences, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
+        return self._code
 
-    if not isinstance(error, (ExperimentError, RequestError, PluginError, OSError, *more)):
-        return None
-    if problems := getattr(error, "problems", ()):
-        return "\n".join(map(str, problems))
-    match error:
-        case RequestError():
-            what, remedy = error.reason, error.hint
-        case OSError():
-            what, remedy = os_error_text(error), ""
-        case _:
-            what, remedy = getattr(error, "what", str(error)), getattr(error, "remedy", "")
-    return f"{who}: {what}{f' ({remedy})' if remedy and remedy not in what else ''}"
+    def _sentences(self, error: Exception) -> str | None:
+        """The error in sentences; None if it is a bug of the program."""
+        # Here, so that what needs no explanation starts without them.
+        from woz_tui.config.file_position import ExperimentError  # noqa: PLC0415
+        from woz_tui.drivers.plugins import PluginError  # noqa: PLC0415
+        from woz_tui.protocol.refusal import RequestError  # noqa: PLC0415
+
+        if not isinstance(
+            error, (ExperimentError, RequestError, PluginError, OSError, *self._more)
+        ):
+            return None
+        if problems := getattr(error, "problems", ()):
+            return "\n".join(map(str, problems))
+        match error:
+            case RequestError():
+                what, remedy = error.reason, error.hint
+            case OSError():
+                what, remedy = os_error_text(error), ""
+            case _:
+                what, remedy = getattr(error, "what", str(error)), getattr(error, "remedy", "")
+        return f"{self._who}: {what}{f' ({remedy})' if remedy and remedy not in what else ''}"

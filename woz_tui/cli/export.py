@@ -9,11 +9,13 @@ from pathlib import Path
 from woz_tui.analysis.participants import alike_sentence
 from woz_tui.analysis.spreadsheets import SPREADSHEETS
 from woz_tui.analysis.text_format import counted
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.export.export_run import export, formats
 from woz_tui.export.exporter import ExportOptions
 from woz_tui.export.log_sources import ExportError, find_sources
 from woz_tui.export.other_recording import OtherRecording, readers
+
+ERRORS = CommandErrors(ExportError, who="woz export")
 
 
 def add(parser: ArgumentParser) -> None:
@@ -87,10 +89,6 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Write the folder, and say what could not be exported."""
-    return with_error_sentences(lambda: _run(arguments), ExportError, who="woz export")
-
-
-def _run(arguments: Namespace) -> int:
     if arguments.samples and not formats()[arguments.to].takes_samples:
         raise ExportError(
             f"--to {arguments.to} cannot include --samples", "use --to csv, bids or mcap for them"

@@ -15,7 +15,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.session_choice import (
     JoinedSession,
     add_session_choice,
@@ -29,6 +29,7 @@ from woz_tui.protocol.codec import MAX_LINE
 from woz_tui.system.clock import RealClock
 from woz_tui.system.tasks import until_first_ends
 
+ERRORS = CommandErrors(DriverError)
 #: The driver that knows gamepads and Stream Decks.
 DRIVER = "hands"
 #: How often what is held is looked at, in seconds, and how soon a lost session is looked for.
@@ -76,7 +77,7 @@ def run(arguments: Namespace) -> int:
         return 2
     if arguments.into:
         return _into(arguments)
-    return with_error_sentences(lambda: asyncio.run(_hands(arguments)), DriverError)
+    return asyncio.run(_hands(arguments))
 
 
 # -- standard input and output as a session's socket -----------------------------------------------

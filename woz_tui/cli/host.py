@@ -9,7 +9,6 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from woz_tui.cli.argument_types import number
-from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.shared_options import add_robot, add_session, start_values
 from woz_tui.feature import pieces
 from woz_tui.host.session_kind import SessionKind
@@ -99,35 +98,32 @@ def run(arguments: Namespace) -> int:
     handler.setFormatter(_LogFormatter("%(asctime)s %(name)s %(message)s"))
     logging.basicConfig(level=logging.INFO, handlers=[handler])
 
-    def serve() -> int:
-        rerun = None
-        if arguments.rerun is not None:
-            from woz_tui.host.rerun_session import RerunOptions  # noqa: PLC0415
+    rerun = None
+    if arguments.rerun is not None:
+        from woz_tui.host.rerun_session import RerunOptions  # noqa: PLC0415
 
-            wait = RERUN_WAIT_S if arguments.rerun_wait is None else arguments.rerun_wait
-            rerun = RerunOptions(arguments.rerun, arguments.headless, wait)
-        return robot_process.run(
-            robot_process.HostOptions(
-                experiment=arguments.experiment,
-                identity=SessionIdentity(
-                    session=arguments.session,
-                    participant=arguments.participant,
-                    condition=arguments.condition,
-                    wizard=arguments.wizard,
-                    seed=arguments.seed,
-                ),
-                name=arguments.name,
-                recordings=arguments.recordings,
-                spill=arguments.spill,
-                announce=arguments.announce,
-                restarted=arguments.restarted,
-                starts={**start_values(arguments), **kinds},
-                kind=next(iter(kinds), ""),
-                rerun=rerun,
-                robot=arguments.robot,
-                fitted=arguments.fitted,
-                listen=arguments.listen,
-            )
+        wait = RERUN_WAIT_S if arguments.rerun_wait is None else arguments.rerun_wait
+        rerun = RerunOptions(arguments.rerun, arguments.headless, wait)
+    return robot_process.run(
+        robot_process.HostOptions(
+            experiment=arguments.experiment,
+            identity=SessionIdentity(
+                session=arguments.session,
+                participant=arguments.participant,
+                condition=arguments.condition,
+                wizard=arguments.wizard,
+                seed=arguments.seed,
+            ),
+            name=arguments.name,
+            recordings=arguments.recordings,
+            spill=arguments.spill,
+            announce=arguments.announce,
+            restarted=arguments.restarted,
+            starts={**start_values(arguments), **kinds},
+            kind=next(iter(kinds), ""),
+            rerun=rerun,
+            robot=arguments.robot,
+            fitted=arguments.fitted,
+            listen=arguments.listen,
         )
-
-    return with_error_sentences(serve)
+    )

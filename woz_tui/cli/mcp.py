@@ -13,12 +13,13 @@ from argparse import ArgumentParser, Namespace
 from typing import Any
 
 from woz_tui import __version__
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.client import WozError, connect
 from woz_tui.client.tools import Tool, ToolCaller
 from woz_tui.system.extras import install_command
 
+ERRORS = CommandErrors(WozError)
 MISSING = f"`woz mcp` needs the package `mcp`: {install_command('mcp')}"
 INSTRUCTIONS = (
     "You play a social robot in an experiment with people. A human wizard watches, can stop"
@@ -38,10 +39,6 @@ def run(arguments: Namespace) -> int:
     except ImportError:
         print(f"woz: {MISSING}", file=sys.stderr)
         return 1
-    return with_error_sentences(lambda: _joined(arguments), WozError)
-
-
-def _joined(arguments: Namespace) -> int:
     if arguments.access is None:
         return asyncio.run(_serve(arguments.session))
     with joined_session(arguments.access, arguments.session, "woz mcp") as session:

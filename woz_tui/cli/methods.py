@@ -6,8 +6,10 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.report import SessionReader, add_sessions
+
+ERRORS = CommandErrors(who="woz methods")
 
 
 def add(parser: ArgumentParser) -> None:
@@ -23,9 +25,7 @@ def run(arguments: Namespace) -> int:
     """Print the sentences; what no log can know, and what could not be read, goes to stderr."""
     from woz_tui.cli import log_from_stdin  # noqa: PLC0415
 
-    return with_error_sentences(
-        lambda: log_from_stdin.with_logs(arguments, _run, "woz methods"), who="woz methods"
-    )
+    return log_from_stdin.with_logs(arguments, _run, "woz methods")
 
 
 def _run(arguments: Namespace) -> int:

@@ -12,7 +12,7 @@ from typing import Any
 
 from rich.table import Table
 
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.single_keys import single_keys
 from woz_tui.config.annotated_decoder import settings_from_texts
 from woz_tui.console.drawing.text_console import TextConsole
@@ -20,6 +20,7 @@ from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, DriverError
 from woz_tui.system.files import replace
 
+ERRORS = CommandErrors(DriverError)
 #: The driver that knows panels.
 DRIVER = "midi"
 _STANDARD = "nanokontrol2"
@@ -57,7 +58,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Learn a panel, or show a map."""
-    return with_error_sentences(lambda: arguments.work(arguments), DriverError)
+    return int(arguments.work(arguments))
 
 
 def _panel(catalogue: Mapping[str, type[Driver]]) -> Any:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from woz_tui.analysis.text_format import counted, listed
 from woz_tui.cli.check import verdict
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.new_files import FeatureFiles
 from woz_tui.cli.new_from import copy_example, print_examples
 from woz_tui.config import utterance_template
@@ -32,6 +32,7 @@ from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
 from woz_tui.feature import features, pieces
 
+ERRORS = CommandErrors(who="woz new")
 #: Asks a question and returns the answer; raises `EOFError` where nobody answers any more.
 Ask = Callable[[str], str]
 
@@ -108,7 +109,7 @@ def run(arguments: Namespace) -> int:
     """Ask what no option says, write the file, check it, and say what to run next."""
     asks = sys.stdin is not None and sys.stdin.isatty() and not arguments.yes
     ask = input if asks else None
-    return with_error_sentences(lambda: new(arguments, plugins.installed(), ask), who="woz new")
+    return new(arguments, plugins.installed(), ask)
 
 
 def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | None) -> int:

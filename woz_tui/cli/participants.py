@@ -10,8 +10,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.safe_streams import json_text
+from woz_tui.log.withdrawals import WithdrawalRecordError
+from woz_tui.withdrawal.removal import WithdrawalError
 
 if TYPE_CHECKING:
     from woz_tui.protocol.messages import Json
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from woz_tui.withdrawal.stored_files import StoredFile, StoredFiles
 
 _WHO = "woz participants"
+ERRORS = CommandErrors(WithdrawalError, WithdrawalRecordError, ValueError, who=_WHO)
 
 
 def add(parser: ArgumentParser) -> None:
@@ -64,15 +67,6 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """List or take out; 1 if something is wrong or left to do by hand."""
-    from woz_tui.log.withdrawals import WithdrawalRecordError  # noqa: PLC0415
-    from woz_tui.withdrawal.removal import WithdrawalError  # noqa: PLC0415
-
-    return with_error_sentences(
-        lambda: _run(arguments), WithdrawalError, WithdrawalRecordError, ValueError, who=_WHO
-    )
-
-
-def _run(arguments: Namespace) -> int:
     from woz_tui.log.file_names import check_code  # noqa: PLC0415
     from woz_tui.withdrawal.removal import finish, is_unfinished  # noqa: PLC0415
     from woz_tui.withdrawal.stored_files import stored_files  # noqa: PLC0415

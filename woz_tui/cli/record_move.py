@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from woz_tui.cli import argument_types
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.input_lines import input_lines
 from woz_tui.cli.safe_streams import raw_stream
 from woz_tui.cli.single_keys import single_keys
@@ -41,6 +41,9 @@ from woz_tui.motion.puppeteer import Puppeteer
 from woz_tui.motion.render_target import RenderError, RenderTarget
 from woz_tui.system.text_cleaning import clean
 
+ERRORS = CommandErrors(
+    *(RecordError, RenderError, InputLineError, MoveFileError, WriteError), who="woz record-move"
+)
 #: An escape is one only if nothing follows it for so long, in seconds.
 SEQUENCE_S = 0.05
 
@@ -96,10 +99,7 @@ def _share(text: str) -> tuple[str, float]:
 
 def run(arguments: Namespace) -> int:
     """Record and save; 0, or 1 after saying why nothing was saved."""
-    errors = (RecordError, RenderError, InputLineError, MoveFileError, WriteError)
-    return with_error_sentences(
-        lambda: record(arguments, plugins.installed()), *errors, who="woz record-move"
-    )
+    return record(arguments, plugins.installed())
 
 
 def record(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_tui.cli import argument_types
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.file_watch import pause, watch
 from woz_tui.cli.input_lines import input_lines
 from woz_tui.cli.safe_streams import json_text
@@ -36,6 +36,7 @@ from woz_tui.motion.move_limits import shortfalls
 from woz_tui.motion.render_target import RenderError, RenderTarget, inputs_table
 from woz_tui.motion.rendering import Input, Rendering
 
+ERRORS = CommandErrors(RenderError, InputLineError, MoveFileError, who="woz render", code=2)
 #: Rows of cells for each joint's curve.
 CURVE_ROWS = 6
 #: Columns where there is no terminal.
@@ -80,15 +81,9 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument("--help-inputs", action="store_true", help="list all inputs")
 
 
-#: What is wrong with what was asked for, in sentences.
-_WRONG = (RenderError, InputLineError, MoveFileError)
-
-
 def run(arguments: Namespace) -> int:
     """Print the lines (or the curves) and return 0; 2 if it cannot be rendered."""
-    return with_error_sentences(
-        lambda: render(arguments, plugins.installed()), *_WRONG, who="woz render", code=2
-    )
+    return render(arguments, plugins.installed())
 
 
 def render(
@@ -119,7 +114,7 @@ def render(
         return 0
 
     def draw_or_say() -> int:
-        return with_error_sentences(draw, *_WRONG, who="woz render", code=2)
+        return ERRORS.told(draw)
 
     watch(draw_or_say, lambda: files | _siblings(files), wait)
     return 0

@@ -127,7 +127,20 @@ def run(arguments: argparse.Namespace) -> int:
         from woz_tui.cli import rerun  # noqa: PLC0415
 
         return rerun.play(arguments)
-    return console_start.with_terminal(lambda: _show(arguments))
+    if console_start.lacks_terminal():
+        return 2
+    try:
+        path = log_in(arguments.file)
+        with open_log(path) as index:
+            feed = replay_feed(index, path, arguments)
+            if feed is None:
+                return 1
+            _, code = console_start.run_console(_console(feed, arguments.theme))
+            feed.close()
+            return code
+    except (LogError, ReplayError, CodingError) as error:
+        print(f"woz: {error}", file=sys.stderr)
+        return 1
 
 
 def _mixed(arguments: argparse.Namespace) -> str:
@@ -153,21 +166,6 @@ def _mixed(arguments: argparse.Namespace) -> str:
         }
     given = ", ".join(name for name, value in alien.items() if value)
     return f"{why}: leave {given} out" if given else ""
-
-
-def _show(arguments: argparse.Namespace) -> int:
-    try:
-        path = log_in(arguments.file)
-        with open_log(path) as index:
-            feed = replay_feed(index, path, arguments)
-            if feed is None:
-                return 1
-            _, code = console_start.run_console(_console(feed, arguments.theme))
-            feed.close()
-            return code
-    except (LogError, ReplayError, CodingError) as error:
-        print(f"woz: {error}", file=sys.stderr)
-        return 1
 
 
 def replay_feed(index: LogIndex, path: Path, arguments: argparse.Namespace) -> ReplayFeed | None:

@@ -18,8 +18,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui.cli.console_start import ScreenOptions, run_session, with_terminal
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.console_start import ScreenOptions, lacks_terminal, run_session
 from woz_tui.cli.experiment_changes import change_lines, error_lines
 from woz_tui.cli.shared_options import builtins
 from woz_tui.cli.single_keys import single_keys
@@ -78,12 +77,9 @@ def play(arguments: argparse.Namespace) -> int:
     experiment may have changed) and `experiment` (where it is, or None). The exit code: 0, or 1 if
     something could not be done.
     """
-    if arguments.dry_run or arguments.headless:
-        return with_error_sentences(lambda: _play(arguments))
-    return with_terminal(lambda: _play(arguments), " (--headless runs it without a console)")
-
-
-def _play(arguments: argparse.Namespace) -> int:
+    on_screen = not (arguments.dry_run or arguments.headless)
+    if on_screen and lacks_terminal(" (--headless runs it without a console)"):
+        return 2
     rerun = _prepare(arguments)
     if rerun is None:
         return 1

@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from woz_tui.cli.check import verb_rows
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.problems import hint
 from woz_tui.config.robot_descriptions import RobotDescription, descriptions
@@ -20,6 +20,7 @@ from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import SHOWN, Driver
 
+ERRORS = CommandErrors(who="woz robots")
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 80
 
@@ -32,7 +33,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Print all, or one in detail."""
-    return with_error_sentences(lambda: robots(arguments, plugins.installed()), who="woz robots")
+    return robots(arguments, plugins.installed())
 
 
 def robots(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:

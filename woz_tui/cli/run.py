@@ -53,16 +53,12 @@ class Shown:
     fitted: bool = False
 
 
-def play(
-    arguments: Namespace, experiment: Path, robot: str = "", shown: Shown | None = None
-) -> int:
+def play(arguments: Namespace, experiment: Path, robot: str = "", demo: Shown | None = None) -> int:
     """A session on `experiment`, with another `robot` than its own if one is named; the exit
     code.
     """
-    return console_start.with_terminal(lambda: _play(arguments, experiment, robot, shown))
-
-
-def _play(arguments: Namespace, experiment: Path, robot: str, demo: Shown | None) -> int:
+    if console_start.lacks_terminal():
+        return 2
     own_keys = builtins(arguments)
     if demo is None and experiment.is_file():
         arguments.wizard = wizard_code(arguments.wizard)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_tui.bus.hub import Hub
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.shared_options import add_robot
 from woz_tui.config.annotated_decoder import settings_from_texts
 from woz_tui.config.loading import load, load_robot
@@ -25,6 +25,7 @@ from woz_tui.protocol.messages import Json
 from woz_tui.session.driver_context import SessionDriverContext
 from woz_tui.system.clock import RealClock
 
+ERRORS = CommandErrors(ArgumentError, ValueError, who="woz say")
 #: How long a robot may take to be there, in seconds.
 _THERE_S = 20.0
 #: What an utterance may change, as options: name -> type.
@@ -77,9 +78,16 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Say it; 0 if it was heard."""
-    return with_error_sentences(
-        lambda: _say(arguments, plugins.installed()), ArgumentError, ValueError, who="woz say"
-    )
+    found = {speaker.name: speaker for speaker in speakers(arguments, plugins.installed())}
+    if not found:
+        raise ValueError(f"no driver of {arguments.experiment} speaks")
+    name = arguments.on or next(iter(found))
+    if name not in found:
+        raise ValueError(f"{name} does not speak; there are: {', '.join(found)}")
+    changes = {name: getattr(arguments, name) for name in _CHANGES}
+    wanted: dict[str, Json] = {name: one for name, one in changes.items() if one is not None}
+    args = checked(found[name].verb, {"text": arguments.text, **wanted})
+    return asyncio.run(_heard(found[name], args))
 
 
 def speakers(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> list[Speaker]:
@@ -114,19 +122,6 @@ def speakers(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> lis
         for verb in spec.offer.verbs
         if verb.name == SAY
     ]
-
-
-def _say(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
-    found = {speaker.name: speaker for speaker in speakers(arguments, catalogue)}
-    if not found:
-        raise ValueError(f"no driver of {arguments.experiment} speaks")
-    name = arguments.on or next(iter(found))
-    if name not in found:
-        raise ValueError(f"{name} does not speak; there are: {', '.join(found)}")
-    changes = {name: getattr(arguments, name) for name in _CHANGES}
-    wanted: dict[str, Json] = {name: one for name, one in changes.items() if one is not None}
-    args = checked(found[name].verb, {"text": arguments.text, **wanted})
-    return asyncio.run(_heard(found[name], args))
 
 
 async def _heard(speaker: Speaker, args: Mapping[str, Json]) -> int:

@@ -7,12 +7,14 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from typing import Any
 
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.json_schema import experiment_schema, included_schema, robot_schema
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
 from woz_tui.motion.move_schema import move_schema
+
+ERRORS = CommandErrors(who="woz schema")
 
 
 def add(parser: ArgumentParser) -> None:
@@ -25,10 +27,6 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Print the schema for the drivers that are installed; what is left out is said on stderr."""
-    return with_error_sentences(lambda: _print(arguments), who="woz schema")
-
-
-def _print(arguments: Namespace) -> int:
     print(json_text(_schema(arguments), indent=2))
     return 0
 

@@ -10,7 +10,6 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers.contract import DriverError
@@ -84,10 +83,6 @@ def _add_store_options(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Do what the command says."""
-    return with_error_sentences(lambda: _run(arguments))
-
-
-def _run(arguments: Namespace) -> int:
     try:
         command: _Command = arguments.command
         return command(VisitorStore(_path(arguments)), arguments)

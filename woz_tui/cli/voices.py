@@ -5,18 +5,19 @@ from __future__ import annotations
 import asyncio
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Mapping
 from dataclasses import asdict
 
 from rich.table import Table
 from rich.text import Text
 
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.cli.say import Speaker, add_speakers, speakers
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, Probe, VoiceFound
+
+ERRORS = CommandErrors(ValueError, who="woz voices")
 
 
 def add(parser: ArgumentParser) -> None:
@@ -28,16 +29,10 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """List them; 0 if there is one."""
-    return with_error_sentences(
-        lambda: _voices(arguments, plugins.installed()), ValueError, who="woz voices"
-    )
-
-
-def _voices(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     wanted = arguments.language.lower()
     found: dict[VoiceFound, None] = {}
     languages: set[str] = set()
-    asked = speakers(arguments, catalogue)
+    asked = speakers(arguments, plugins.installed())
     for one in asked:
         probe = Probe(one.name, one.settings, one.folder)
         for voice in asyncio.run(one.kind.voices(probe)):

@@ -13,12 +13,11 @@ from rich.table import Table
 
 from woz_tui.bridge.stomp_connection import StompError
 from woz_tui.cli.argument_types import number
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.cli.stomp_options import add_broker, broker_place
 from woz_tui.client import WozError, connect
 from woz_tui.config.bundled_files import is_path, robot_files
-from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.file_text import SourceFileError, read_source
 from woz_tui.config.loading import load_robot_file
 from woz_tui.console.drawing.text_console import TextConsole
@@ -32,6 +31,7 @@ from woz_tui.features.blocks.section import BLOCKS, BlockReader
 from woz_tui.features.blocks.stomp_planner import PlannerTopics, StompPlanner
 from woz_tui.features.blocks.tcp_planner import PlannerPortError, PlannerPorts, TcpPlanner
 
+ERRORS = CommandErrors(BmlError, PlannerPortError, StompError, ValueError, WozError)
 _port = number(1, 0xFFFF, whole=True)
 #: The widest picture, in columns.
 _WIDTH = 100
@@ -106,11 +106,6 @@ def run(arguments: Namespace) -> int:
     if arguments.robot and (not arguments.dry_run or arguments.session or arguments.access):
         print("woz: --robot is for --dry-run without a session", file=sys.stderr)
         return 2
-    errors = BmlError, ExperimentError, PlannerPortError, StompError, ValueError, WozError
-    return with_error_sentences(lambda: _joined(arguments), *errors)
-
-
-def _joined(arguments: Namespace) -> int:
     work = _bml if arguments.files else _planner
     if arguments.access is None:
         return asyncio.run(work(arguments))

@@ -7,9 +7,14 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from woz_tui.analysis.text_format import counted
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
+from woz_tui.config.about_file import NOTHING, read_about
+from woz_tui.export.log_sources import ExportError, find_sources
+from woz_tui.features.bundle.bundle import BundleError, BundleOptions, write_bundle
+from woz_tui.log.withdrawals import WithdrawalRecordError
 
 _WHO = "woz bundle"
+ERRORS = CommandErrors(ExportError, BundleError, WithdrawalRecordError, who=_WHO)
 
 
 def add(parser: ArgumentParser) -> None:
@@ -58,20 +63,6 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Write the folder, and say what is still missing."""
-    from woz_tui.export.log_sources import ExportError  # noqa: PLC0415
-    from woz_tui.features.bundle.bundle import BundleError  # noqa: PLC0415
-    from woz_tui.log.withdrawals import WithdrawalRecordError  # noqa: PLC0415
-
-    return with_error_sentences(
-        lambda: _run(arguments), ExportError, BundleError, WithdrawalRecordError, who=_WHO
-    )
-
-
-def _run(arguments: Namespace) -> int:
-    from woz_tui.config.about_file import NOTHING, read_about  # noqa: PLC0415
-    from woz_tui.export.log_sources import find_sources  # noqa: PLC0415
-    from woz_tui.features.bundle.bundle import BundleOptions, write_bundle  # noqa: PLC0415
-
     about = read_about(arguments.about) if arguments.about is not None else NOTHING
     sources, problems = find_sources(arguments.file)
     for problem in problems:

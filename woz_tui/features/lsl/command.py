@@ -9,11 +9,13 @@ from argparse import ArgumentParser, Namespace
 from functools import partial
 from typing import Any
 
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.client import WozError, connect
 from woz_tui.features.lsl.library import LslMissingError, load, version
 from woz_tui.features.lsl.program import SessionSender, adopted_in
+
+ERRORS = CommandErrors(LslMissingError, WozError)
 
 
 def add(parser: ArgumentParser) -> None:
@@ -23,10 +25,6 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Send the session until it ends, or until ctrl+c."""
-    return with_error_sentences(lambda: _run(arguments), LslMissingError, WozError)
-
-
-def _run(arguments: Namespace) -> int:
     lsl = load()
     with joined_session(arguments.access, arguments.session, "woz lsl") as session:
         if session is None:

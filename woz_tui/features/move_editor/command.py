@@ -9,13 +9,15 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from pathlib import Path
 
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
 from woz_tui.features.move_editor.move_file import EditedFile
 from woz_tui.motion.move_files import MoveFileError
 from woz_tui.motion.move_recording import RecordError
 from woz_tui.motion.render_target import RenderError, RenderTarget
+
+ERRORS = CommandErrors(RecordError, RenderError, MoveFileError, who="woz edit-move")
 
 
 def add(parser: ArgumentParser) -> None:
@@ -29,11 +31,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Edit until the wizard leaves; 1 after saying why that is not possible."""
-    return with_error_sentences(
-        lambda: edit(arguments, plugins.installed()),
-        *(RecordError, RenderError, MoveFileError),
-        who="woz edit-move",
-    )
+    return edit(arguments, plugins.installed())
 
 
 def edit(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:

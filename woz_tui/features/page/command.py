@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.session_choice import JoinedSession, add_session_choice, joined_session
 from woz_tui.client import WozError, connect
 from woz_tui.console.link.message_feed import Loss
@@ -38,6 +38,9 @@ _ELSEWHERE = ("192.0.2.1", 9)
 
 class PageError(Exception):
     """Pages cannot be served so; the text says why."""
+
+
+ERRORS = CommandErrors(PageError, MissingQrError)
 
 
 def add(parser: ArgumentParser) -> None:
@@ -89,10 +92,6 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Serve until the session ends, or ctrl+c."""
-    return with_error_sentences(lambda: _serve(arguments), PageError, MissingQrError, OSError)
-
-
-def _serve(arguments: Namespace) -> int:
     at, tls = _address(arguments)
     if arguments.debrief and arguments.access is not None:
         raise PageError("--debrief needs the log, which is on the robot's computer: begin it there")

@@ -11,7 +11,7 @@ from argparse import ArgumentParser, Namespace
 from functools import partial
 from pathlib import Path
 
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.client import WozError, connect
 from woz_tui.features.proposals.model_program import ModelProgram, held_model
@@ -24,6 +24,9 @@ class KeyFileError(Exception):
     """Why a file with a key is not used."""
 
 
+ERRORS = CommandErrors(KeyFileError, WozError)
+
+
 def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     add_session_choice(parser, "session")
@@ -34,10 +37,6 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Ask until the session ends, or until ctrl+c."""
-    return with_error_sentences(lambda: _run(arguments), KeyFileError, WozError)
-
-
-def _run(arguments: Namespace) -> int:
     key = read_key(arguments.key_file) if arguments.key_file else os.environ.get(KEY, "")
     with joined_session(arguments.access, arguments.session, "woz suggest") as session:
         if session is None:

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from woz_tui.analysis.text_format import counted
 from woz_tui.cli.argument_types import number
-from woz_tui.cli.error_sentences import with_error_sentences
+from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.report_layout import text_table
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.experiment import Experiment
@@ -33,6 +33,7 @@ from woz_tui.features.study.earlier_sessions import EarlierParticipants, Earlier
 from woz_tui.features.study.section import DESIGN, design_sentence, order_text
 from woz_tui.protocol.messages import Json
 
+ERRORS = CommandErrors(who="woz design")
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
 #: What those are called who have not come yet.
@@ -61,7 +62,7 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Print the plan and return 0, or say what is wrong and return 1."""
-    return with_error_sentences(lambda: design(arguments, plugins.installed()), who="woz design")
+    return design(arguments, plugins.installed())
 
 
 def design(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:

@@ -13,7 +13,6 @@ from rich.table import Table
 from woz_tui.cli import console_start
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.console_start import ScreenOptions, run_session
-from woz_tui.cli.error_sentences import with_error_sentences
 from woz_tui.cli.shared_options import add_keymap, add_robot, add_theme, builtins
 from woz_tui.cli.wizard_code import remembered_wizard, wizard_code
 from woz_tui.console.drawing.text_console import TextConsole
@@ -59,13 +58,13 @@ def add(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Train, or show the scores."""
     if arguments.history:
-        return with_error_sentences(lambda: _history(arguments))
+        return _history(arguments)
     arguments.wizard = arguments.wizard or remembered_wizard() or ""
     refusal = _refusal(arguments)
     if refusal:
         print(f"woz: {refusal}", file=sys.stderr)
         return 2
-    return with_error_sentences(lambda: _train(arguments))
+    return _train(arguments)
 
 
 def _refusal(arguments: Namespace) -> str:

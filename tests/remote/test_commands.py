@@ -19,9 +19,9 @@ import pytest
 from tests.cli.test_live_sound import line_with
 from tests.host.test_live_sound import WORD, loudspeaker, microphone, now
 from tests.remote.network import Machines, machines
-from woz_tui.cli import listen
 from woz_tui.cli.mcp import SessionTools
 from woz_tui.cli.remote_start import RemoteLine
+from woz_tui.client.sound_receiver import LATE_S
 from woz_tui.client.woz_errors import WozConnectionError
 from woz_tui.config.experiment import AccessRole
 from woz_tui.drivers.sound_feeds import LISTENED, SoundListened
@@ -103,7 +103,7 @@ async def test_the_microphone_is_heard_and_what_the_network_held_back_is_not(
     cable.flowing.clear()
     window.add(b"\7\7" * 320, now(robot))
     await until(lambda: listening.end == window._blocks[-1].end)
-    await asyncio.sleep(listen.LATE_S + 0.1)  # the network holds it back for longer than that
+    await asyncio.sleep(LATE_S + 0.1)  # the network holds it back for longer than that
     cable.flowing.set()
     await line_with(running, "late")
     async with asyncio.timeout(30):

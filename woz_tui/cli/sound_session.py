@@ -11,12 +11,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from woz_tui.cli.session_choice import add_session_choice, joined_session
-from woz_tui.client.sound_client import SoundClient, SoundEndError
+from woz_tui.client.sound_client import SoundEndError
 
 #: How often the line with the delay comes again where nothing else changes, in seconds.
 REPORT_S = 10.0
-#: A robot process that has not answered for so long is told of, in seconds.
-LATE_S = 2.0
 
 
 def with_session(
@@ -35,21 +33,17 @@ def with_session(
                 run(session.path)
                 return 0
             except SoundEndError as end:
-                again = end.gone and session.comes_back(lambda text: status.show(text, text), idle)
-                if not again:
-                    return print_end(
-                        command, SoundEndError(session.barred) if session.barred else end
-                    )
-                status.show("back", "the line is back")
+                again = end.gone and session.comes_back(status.show, idle)
+                if again:
+                    status.show("back", "the line is back")
+                    continue
+                if session.barred:
+                    end = SoundEndError(session.barred)
+                print(f"{command}: {end}", file=sys.stderr)
+                if end.remedy:
+                    print(f"  {end.remedy}", file=sys.stderr)
+                return end.code
     return 1
-
-
-def print_end(command: str, end: SoundEndError) -> int:
-    """Print why there is no sound, and what helps; the exit code."""
-    print(f"{command}: {end}", file=sys.stderr)
-    if end.remedy:
-        print(f"  {end.remedy}", file=sys.stderr)
-    return end.code
 
 
 class StatusLine:
@@ -62,19 +56,13 @@ class StatusLine:
         self._about = ""
         self._due = 0.0
 
-    def show(self, about: str, text: str) -> None:
-        """`text` is about `about`: `sound`, `no sound` ..."""
+    def show(self, about: str, text: str = "") -> None:
+        """`text` is about `about`: `sound`, `no sound` ...; empty: it says itself."""
         now = time.monotonic()
         if about == self._about and now < self._due:
             return
         self._about, self._due = about, now + REPORT_S
-        print(f"{self._who}: {text}", file=sys.stderr, flush=True)
-
-    def late(self, client: SoundClient) -> None:
-        """Say so if the robot process stands still."""
-        if client.asked_at is not None and time.monotonic() - client.asked_at > LATE_S:
-            seconds = time.monotonic() - client.asked_at
-            self.show("late", f"the robot process has not answered for {seconds:.0f} s")
+        print(f"{self._who}: {text or about}", file=sys.stderr, flush=True)
 
 
 def add_sound(parser: ArgumentParser, what: str) -> None:

@@ -9,11 +9,17 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from woz_tui.protocol import codec
 from woz_tui.protocol.requests import Hello, Reply, Request, Welcome
 
 #: Pieces that may be under way at once, and how long one is, in seconds.
 _AHEAD, _PIECE_S = 32, 0.02
+#: A robot process that has not answered for so long is told of, in seconds.
+LATE_S = 2.0
+#: Hears what a person may read beside the sound: what it is about (`sound`, `late` ...), the text.
+Tell = Callable[[str, str], None]
 
 
 class SoundEndError(Exception):
@@ -34,7 +40,8 @@ class SoundClient:
     Raises `SoundEndError` where the robot process refuses or leaves.
     """
 
-    def __init__(self, path: Path, role: str, name: str) -> None:
+    def __init__(self, path: Path, role: str, name: str, tell: Tell) -> None:
+        self._tell = tell
         self._ref = 0
         self._rest = bytearray()
         self._answers: deque[Any] = deque()
@@ -58,16 +65,22 @@ class SoundClient:
                 answer = self._answers.popleft()
                 self._check(answer)
 
-    def ask(self, request: Callable[[int], Request]) -> None:
-        """Send `request(ref)`; its answer comes by `answer`."""
+    def ask(self, request: Request) -> None:
+        """Send `request`, with a number; its answer comes by `answer`."""
         self._ref += 1
         self._asked.append((self._ref, time.monotonic()))
-        self._send(request(self._ref))
+        self._send(msgspec.structs.replace(request, ref=self._ref))
 
     @property
     def asked_at(self) -> float | None:
         """When the oldest was asked that has not been answered; None: there is none."""
         return self._asked[0][1] if self._asked else None
+
+    def tell_late(self) -> None:
+        """Say so if the robot process stands still."""
+        if self.asked_at is not None and time.monotonic() - self.asked_at > LATE_S:
+            seconds = time.monotonic() - self.asked_at
+            self._tell("late", f"the robot process has not answered for {seconds:.0f} s")
 
     def may_ask(self, way_s: float) -> bool:
         """Whether one more may be asked, where a question and its answer are under way for so long:

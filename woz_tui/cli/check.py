@@ -13,7 +13,7 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from woz_tui.cli import check_why, robot_fit, study_summary
+from woz_tui.cli import check_why, robot_fit
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.config import keys
 from woz_tui.config.action_text import action_text, main_arguments
@@ -39,6 +39,7 @@ from woz_tui.drivers.contract import Argument, Driver, Verb
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.panels import covers_verb
 from woz_tui.sensing.engagement_summary import engagement_json, engagement_lines
+from woz_tui.session import study_summary
 
 ERRORS = CommandErrors(who="woz check")
 #: Columns of a page that goes into a file or a pipe.

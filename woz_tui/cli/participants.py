@@ -5,20 +5,35 @@ from __future__ import annotations
 import getpass
 import sys
 from argparse import ArgumentParser, Namespace
-from collections import Counter
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from woz_tui.cli.error_sentences import CommandErrors
+from woz_tui.cli.report_layout import text_table
 from woz_tui.cli.safe_streams import json_text
+from woz_tui.config.about_file import RetentionEntry, read_about
+from woz_tui.console.drawing.text_console import TextConsole
+from woz_tui.log.file_names import check_code
 from woz_tui.log.withdrawals import WithdrawalRecordError
-from woz_tui.withdrawal.removal import WithdrawalError
-
-if TYPE_CHECKING:
-    from woz_tui.protocol.messages import Json
-    from woz_tui.withdrawal.removal import Removal
-    from woz_tui.withdrawal.stored_files import StoredFile, StoredFiles
+from woz_tui.withdrawal.own_copy import copy_of
+from woz_tui.withdrawal.participant_list import ParticipantList
+from woz_tui.withdrawal.removal import (
+    Removal,
+    WithdrawalError,
+    finish,
+    forget,
+    is_unfinished,
+    planned,
+    withdraw,
+)
+from woz_tui.withdrawal.retention import overdue
+from woz_tui.withdrawal.stored_files import (
+    StoredFile,
+    StoredFiles,
+    stored_files,
+    stored_sessions,
+)
 
 _WHO = "woz participants"
 ERRORS = CommandErrors(WithdrawalError, WithdrawalRecordError, ValueError, who=_WHO)
@@ -67,10 +82,6 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """List or take out; 1 if something is wrong or left to do by hand."""
-    from woz_tui.log.file_names import check_code  # noqa: PLC0415
-    from woz_tui.withdrawal.removal import finish, is_unfinished  # noqa: PLC0415
-    from woz_tui.withdrawal.stored_files import stored_files  # noqa: PLC0415
-
     arguments.folders = [folder.absolute() for folder in arguments.folders]
     for folder in arguments.folders:
         if not folder.is_dir():
@@ -98,64 +109,44 @@ def run(arguments: Namespace) -> int:
         return _list(stored_files(arguments.folders), arguments)
     code = check_code("participant", arguments.code)
     found = stored_files(arguments.folders, [code])
-    do = _withdraw if arguments.withdraw else _copy if arguments.copy else _show
-    status = do(found, code, arguments)
-    for problem in found.problems:
-        _complain(problem)
-    return 1 if found.problems else status
+    if arguments.withdraw:
+        status = _withdraw(found, code, arguments)
+    elif arguments.copy:
+        status = _copy(found, code, arguments)
+    else:
+        status = 0
+        plan = planned(found, code)
+        if arguments.json:
+            print(json_text(plan.as_json(), indent=2))
+        else:
+            _print(plan, found)
+    return 1 if _complain_all(found.problems) else status
 
 
 # -- everybody ------------------------------------------------------------------------------------
 
 
 def _list(found: StoredFiles, arguments: Namespace) -> int:
-    from woz_tui.analysis.participants import alike_sentence  # noqa: PLC0415
-    from woz_tui.cli.report_layout import text_table  # noqa: PLC0415
-    from woz_tui.console.drawing.text_console import TextConsole  # noqa: PLC0415
-    from woz_tui.log.sessions import sessions_in  # noqa: PLC0415
-    from woz_tui.log.withdrawals import withdrawals  # noqa: PLC0415
-
-    withdrew = [each for folder in arguments.folders for each in withdrawals(folder)]
-    counted, _ = sessions_in([str(folder) for folder in arguments.folders])
-    sessions = Counter(
-        code for each in found.sessions if each.log in counted for code in each.turns
-    )
-    stored = Counter(code for file in found.files() for code in file.codes)
-    codes = sorted({code for each in found.sessions for code in each.turns})
-    alike = alike_sentence(codes)
+    listed = ParticipantList.of(found, arguments.folders)
     if arguments.json:
-        rows: list[Json] = [
-            {"participant": code, "sessions": sessions[code], "files": stored[code]}
-            for code in codes
-        ]
-        gone: list[Json] = [{"participant": each.code, "day": each.day} for each in withdrew]
-        listed: dict[str, Json] = {"participants": rows, "alike": alike, "withdrawn": gone}
-        print(json_text(listed, indent=2))
-    elif codes:
+        print(json_text(listed.as_json(), indent=2))
+    elif listed.codes:
         table = text_table("participant", "sessions", "files")
-        for code in codes:
-            table.add_row(code, str(sessions[code]), str(stored[code]))
+        for code in listed.codes:
+            table.add_row(code, str(listed.sessions[code]), str(listed.files[code]))
         console = TextConsole()
         console.print(table)
-        if alike:
-            console.print(alike, soft_wrap=True)
+        if listed.alike:
+            console.print(listed.alike, soft_wrap=True)
     else:
         print("no log has the code of a participant")
-    if withdrew and not arguments.json:
-        told = ", ".join(f"{each.code} ({each.day})" for each in withdrew)
+    if listed.withdrew and not arguments.json:
+        told = ", ".join(f"{each.code} ({each.day})" for each in listed.withdrew)
         print(f"Withdrew, and their codes are not given again: {told}")
-    for problem in found.problems:
-        _complain(problem)
-    return 1 if found.problems else 0
+    return 1 if _complain_all(found.problems) else 0
 
 
 def _due(arguments: Namespace) -> int:
-    from woz_tui.cli.report_layout import text_table  # noqa: PLC0415
-    from woz_tui.config.about_file import RetentionEntry, read_about  # noqa: PLC0415
-    from woz_tui.console.drawing.text_console import TextConsole  # noqa: PLC0415
-    from woz_tui.withdrawal.retention import overdue  # noqa: PLC0415
-    from woz_tui.withdrawal.stored_files import stored_sessions  # noqa: PLC0415
-
     retention = read_about(arguments.about).retention
     if retention == RetentionEntry():
         _complain(
@@ -165,16 +156,7 @@ def _due(arguments: Namespace) -> int:
     found = stored_sessions(arguments.folders)
     over = [*overdue(found.sessions, retention, datetime.now(UTC).date())]
     if arguments.json:
-        rows: list[Json] = [
-            {
-                "path": str(each.path),
-                "what": each.what,
-                "recorded": each.recorded.isoformat(),
-                "until": each.until.isoformat(),
-            }
-            for each in over
-        ]
-        print(json_text({"due": rows}, indent=2))
+        print(json_text({"due": [each.as_json() for each in over]}, indent=2))
     elif over:
         table = text_table("until", "what", "path")
         for each in over:
@@ -183,23 +165,10 @@ def _due(arguments: Namespace) -> int:
         print("Nothing was deleted. Copies, exports and bundles are yours to look for.")
     else:
         print("Nothing is kept longer than it says.")
-    for problem in found.problems:
-        _complain(problem)
-    return 1 if found.problems else 0
+    return 1 if _complain_all(found.problems) else 0
 
 
 # -- one of them ----------------------------------------------------------------------------------
-
-
-def _show(found: StoredFiles, code: str, arguments: Namespace) -> int:
-    from woz_tui.withdrawal.removal import planned  # noqa: PLC0415
-
-    plan = planned(found, code)
-    if arguments.json:
-        print(json_text(_fields(plan), indent=2))
-    else:
-        _print(plan, found)
-    return 0
 
 
 def _print(plan: Removal, found: StoredFiles) -> None:
@@ -211,7 +180,9 @@ def _print(plan: Removal, found: StoredFiles) -> None:
     if plan.cut:
         print("Sessions of several people: only this participant is to be taken out")
         for session in plan.cut:
-            print(f"  {session.log}{_lines(session.named.get(plan.code, {}))}")
+            kinds = session.named.get(plan.code, {}).items()
+            said = ", ".join(f"{count} {kind}" for kind, count in kinds)
+            print(f"  {session.log}{said and f': stands in {said}'}")
             for path, what in session.beside_of([plan.code]):
                 if path != session.log:
                     print(f"    {path} ({what})")
@@ -236,41 +207,11 @@ def _print_files(stored: list[StoredFile]) -> None:
         print(f"  {file.path} ({file.what}){f': {file.remedy}' if file.remedy else ''}")
 
 
-def _lines(kinds: dict[str, int]) -> str:
-    said = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-    return f": stands in {said}" if said else ""
-
-
-def _fields(plan: Removal) -> dict[str, Json]:
-    def rows(stored: list[StoredFile]) -> list[Json]:
-        return [
-            {"path": str(file.path), "what": file.what, "remedy": file.remedy} for file in stored
-        ]
-
-    cut: list[Json] = [
-        {
-            "log": str(session.log),
-            "files": [str(path) for path, _ in session.beside_of([plan.code])],
-            "lines": {**session.named.get(plan.code, {})},
-        }
-        for session in plan.cut
-    ]
-    return {
-        "code": plan.code,
-        "delete": rows(plan.deleted),
-        "take_out": cut,
-        "forget": rows(plan.forgotten),
-        "by_hand": rows(plan.by_hand),
-    }
-
-
 def _copy(found: StoredFiles, code: str, arguments: Namespace) -> int:
-    from woz_tui.withdrawal.own_copy import copy_of  # noqa: PLC0415
-
     day = datetime.now(UTC).date().isoformat()
     copied = copy_of(found, code, arguments.copy, day)
     if arguments.json:
-        logs: list[Json] = [str(session.log) for session in copied]
+        logs = [str(session.log) for session in copied]
         print(json_text({"code": code, "copied": logs, "folder": str(arguments.copy)}, indent=2))
     elif copied:
         print(f"Copied to {arguments.copy}: {len(copied)} sessions; README.txt says what is what")
@@ -285,14 +226,12 @@ def _copy(found: StoredFiles, code: str, arguments: Namespace) -> int:
 
 
 def _withdraw(found: StoredFiles, code: str, arguments: Namespace) -> int:
-    from woz_tui.withdrawal.removal import forget, planned, withdraw  # noqa: PLC0415
-
     plan = planned(found, code)
     if not arguments.json:
         _print(plan, found)
     if plan.is_empty():
         if arguments.json:
-            print(json_text(_fields(plan), indent=2))
+            print(json_text(plan.as_json(), indent=2))
         return 1 if plan.by_hand else 0
     if not arguments.yes and not _confirmed(code):
         _complain("nothing was changed")
@@ -300,10 +239,21 @@ def _withdraw(found: StoredFiles, code: str, arguments: Namespace) -> int:
     by = arguments.by or getpass.getuser()
     withdraw(plan, arguments.folders[0], datetime.now(UTC).date().isoformat(), by)
     problems = forget(plan)
-    _tell(plan, arguments)
-    for problem in problems:
-        _complain(problem)
-    return 1 if problems or plan.by_hand else 0
+    if arguments.json:
+        print(json_text({**plan.as_json(), "done": plan.done_json()}, indent=2))
+    else:
+        print(
+            f"Done: {len(plan.deleted)} files deleted; {plan.lines} lines and {plan.samples}"
+            f" samples taken out of {len(plan.cut)} logs. Deleted blocks may remain on the disk,"
+            " and in backups."
+        )
+        if left := plan.left:
+            kinds = ", ".join(f"{count} {kind}" for kind, count in left.items())
+            print(f"The code, or the same word, still stands in lines of other people: {kinds}")
+        if plan.by_hand:
+            print("Left to look at by hand")
+            _print_files(plan.by_hand)
+    return 1 if _complain_all(problems) or plan.by_hand else 0
 
 
 def _confirmed(code: str) -> bool:
@@ -315,32 +265,13 @@ def _confirmed(code: str) -> bool:
     return sys.stdin.readline().strip() == code
 
 
-def _tell(plan: Removal, arguments: Namespace) -> None:
-    """What was done, in words that a lab can keep: they name nobody."""
-    lines = sum(summary.lines for summary in plan.summaries.values())
-    samples = sum(summary.samples for summary in plan.summaries.values())
-    left = Counter(kind for summary in plan.summaries.values() for kind in summary.left)
-    if arguments.json:
-        done: dict[str, Json] = {
-            "deleted_files": len(plan.deleted),
-            "logs": len(plan.cut),
-            "lines": lines,
-            "samples": samples,
-            "left": {**left},
-        }
-        print(json_text({**_fields(plan), "done": done}, indent=2))
-        return
-    print(
-        f"Done: {len(plan.deleted)} files deleted; {lines} lines and {samples} samples taken out of"
-        f" {len(plan.cut)} logs. Deleted blocks may remain on the disk, and in backups."
-    )
-    if left:
-        kinds = ", ".join(f"{count} {kind}" for kind, count in left.items())
-        print(f"The code, or the same word, still stands in lines of other people: {kinds}")
-    if plan.by_hand:
-        print("Left to look at by hand")
-        _print_files(plan.by_hand)
-
-
 def _complain(text: str) -> None:
     print(f"{_WHO}: {text}", file=sys.stderr)
+
+
+def _complain_all(problems: Iterable[str]) -> bool:
+    """Say each; whether there is any."""
+    said = [*problems]
+    for problem in said:
+        _complain(problem)
+    return bool(said)

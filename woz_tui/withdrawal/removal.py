@@ -10,6 +10,7 @@ import glob
 import hashlib
 import os
 import re
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
@@ -34,6 +35,7 @@ from woz_tui.log.withdrawals import (
     add_withdrawal,
     withdrawals,
 )
+from woz_tui.protocol.messages import Json
 from woz_tui.sensing.visitor_store import VisitorsError, VisitorStore
 from woz_tui.system import files
 from woz_tui.withdrawal.code_words import CodeWords, is_distinct
@@ -102,6 +104,48 @@ class Removal:
     def is_empty(self) -> bool:
         """Whether there is nothing that it could do."""
         return not (self.deleted or self.cut or self.forgotten)
+
+    @property
+    def lines(self) -> int:
+        """How many lines were taken out of logs."""
+        return sum(summary.lines for summary in self.summaries.values())
+
+    @property
+    def samples(self) -> int:
+        """How many samples were taken out of logs."""
+        return sum(summary.samples for summary in self.summaries.values())
+
+    @property
+    def left(self) -> Counter[str]:
+        """Kinds of lines of other people in which the code, or the same word, still stands."""
+        return Counter(kind for summary in self.summaries.values() for kind in summary.left)
+
+    def as_json(self) -> dict[str, Json]:
+        """What it does, for programs."""
+        return {
+            "code": self.code,
+            "delete": [file.as_json() for file in self.deleted],
+            "take_out": [
+                {
+                    "log": str(session.log),
+                    "files": [str(path) for path, _ in session.beside_of([self.code])],
+                    "lines": {**session.named.get(self.code, {})},
+                }
+                for session in self.cut
+            ],
+            "forget": [file.as_json() for file in self.forgotten],
+            "by_hand": [file.as_json() for file in self.by_hand],
+        }
+
+    def done_json(self) -> dict[str, Json]:
+        """What was done, in numbers that a lab can keep: they name nobody."""
+        return {
+            "deleted_files": len(self.deleted),
+            "logs": len(self.cut),
+            "lines": self.lines,
+            "samples": self.samples,
+            "left": {**self.left},
+        }
 
 
 def planned(found: StoredFiles, code: str) -> Removal:

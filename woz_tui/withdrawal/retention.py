@@ -9,6 +9,7 @@ from datetime import UTC, date, datetime
 from pathlib import Path
 
 from woz_tui.config.about_file import RetentionEntry, last_day
+from woz_tui.protocol.messages import Json
 from woz_tui.withdrawal.stored_files import StoredSession
 
 _DAY = re.compile(r"\d{4}-\d\d-\d\d(?=T)")
@@ -23,6 +24,15 @@ class Kept:
     what: str
     recorded: date
     until: date
+
+    def as_json(self) -> Json:
+        """The same for programs."""
+        return {
+            "path": str(self.path),
+            "what": self.what,
+            "recorded": self.recorded.isoformat(),
+            "until": self.until.isoformat(),
+        }
 
 
 def overdue(

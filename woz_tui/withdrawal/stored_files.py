@@ -29,6 +29,7 @@ from woz_tui.log.samples_index import path_of
 from woz_tui.log.sessions import all_logs_in
 from woz_tui.log.withdrawals import NAME as RECORD
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 from woz_tui.sensing.visitor_records import FORMAT
 from woz_tui.sensing.visitor_store import VisitorsError, VisitorStore
 from woz_tui.system.files import NotRegularError, open_regular, real
@@ -73,6 +74,10 @@ class StoredFile:
     does: str
     remedy: str = ""
     names: tuple[str, ...] = ()
+
+    def as_json(self) -> Json:
+        """What there is to do with it, for programs."""
+        return {"path": str(self.path), "what": self.what, "remedy": self.remedy}
 
 
 @dataclass

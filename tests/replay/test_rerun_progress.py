@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from woz_tui.analysis.text_format import exact_clock
 from woz_tui.protocol import messages as m
-from woz_tui.replay.rerun_progress import RerunLines, clock
+from woz_tui.replay.rerun_progress import RerunLines
 
 
 def lines(progress: RerunLines, *messages: m.Message) -> list[str]:
@@ -45,4 +46,4 @@ def test_other_peoples_commands_are_none_of_it() -> None:
     ("us", "said"), [(0, "0:00.000"), (-1500, "-0:00.002"), (62_345_000, "1:02.345")]
 )
 def test_times_are_read_easily(us: int, said: str) -> None:
-    assert clock(us) == said
+    assert exact_clock(us) == said

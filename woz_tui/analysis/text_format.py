@@ -20,6 +20,15 @@ def clock(us: float | None, decimals: int = 0) -> str:
     return f"{head}:{seconds:02}" + (f".{part:0{decimals}}" if decimals else "")
 
 
+def exact_clock(us: int) -> str:
+    """To the millisecond, and as wide after an hour: `1:02.345`, `75:00.000`; before the beginning
+    `-0:00.500`.
+    """
+    sign, us = ("-", -us) if us < 0 else ("", us)
+    minutes, rest = divmod(us, 60_000_000)
+    return f"{sign}{minutes}:{rest / 1_000_000:06.3f}"
+
+
 def duration(us: float | None) -> str:
     """`0.85 ms`, `850 ms`, `3.07 s`, `12:03 min`, `1:12:03 h`."""
     if us is None:

@@ -10,11 +10,11 @@ from pathlib import Path
 from woz_tui.analysis.experiment_names import ExperimentNames
 from woz_tui.analysis.played_actions import PlayedAct, PlayedSession, played_session
 from woz_tui.analysis.session_comparison import BY_COMMANDS, ActPair, Comparison, compare, facts
+from woz_tui.analysis.text_format import exact_clock
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.log.log_reader import Damage, files_of, read
 from woz_tui.log.sessions import sessions_in
-from woz_tui.replay.rerun_progress import clock
 from woz_tui.system.text_cleaning import clean
 
 #: Lines of each part of the table, unless `--all` is given.
@@ -154,7 +154,8 @@ def _acts(
         yield f"{title}:"
     for act in acts[:limit]:
         reason = f"  {clean(why[act.id])}" if act.id in why else ""
-        yield f"  {clock(act.moment):>10}  {clean(act.name)} {act.id}  {act.end}{reason}".rstrip()
+        when = f"{exact_clock(act.moment):>10}"
+        yield f"  {when}  {clean(act.name)} {act.id}  {act.end}{reason}".rstrip()
     yield from _rest(len(acts), limit)
 
 
@@ -165,7 +166,7 @@ def _pairs(title: str, pairs: tuple[ActPair, ...], limit: int) -> Iterator[str]:
     for pair in pairs[:limit]:
         differences = "; ".join(map(clean, pair.differences))
         yield (
-            f"  {clock(pair.a.moment):>10}  {clock(pair.b.moment):>10}"
+            f"  {exact_clock(pair.a.moment):>10}  {exact_clock(pair.b.moment):>10}"
             f"  {pair.shift_us / 1000:+10.1f} ms  {clean(pair.a.name)}  {differences}"
         ).rstrip()
     yield from _rest(len(pairs), limit)

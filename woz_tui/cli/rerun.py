@@ -18,6 +18,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from woz_tui.analysis.text_format import exact_clock
 from woz_tui.cli.console_start import ScreenOptions, lacks_terminal, run_session
 from woz_tui.cli.experiment_changes import change_lines, error_lines
 from woz_tui.cli.shared_options import builtins
@@ -41,7 +42,7 @@ from woz_tui.replay.rerun_plan import (
     redacted_plan,
     unfit_steps,
 )
-from woz_tui.replay.rerun_progress import RerunLines, clock
+from woz_tui.replay.rerun_progress import RerunLines
 from woz_tui.session.redactor import Redactor
 from woz_tui.system.clock import RealClock
 from woz_tui.system.text_cleaning import clean
@@ -226,7 +227,7 @@ def summary_lines(plan: RerunPlan, experiment: Experiment, *, headless: bool) ->
     yield f"session     {plan.session or 'without a code'}  ({clean(plan.name)})"
     yield f"experiment  {clean(experiment.title)}  ({experiment.path})"
     yield f"robot       {_robot(plan, experiment)}"
-    yield f"commands    {len(plan.sent)} in {clock(plan.duration)}{_counts(plan)}"
+    yield f"commands    {len(plan.sent)} in {exact_clock(plan.duration)}{_counts(plan)}"
     if drives:
         who = (
             "are refused, because no wizard watches" if headless else "need a wizard at the console"
@@ -271,7 +272,7 @@ def table_lines(plan: RerunPlan) -> Iterator[str]:
     width = min(28, max(map(len, names), default=8))
     yield f"{'time':>10}  {'command':{width}}  {'arguments':{ARGS}}  what"
     for name, step in zip(names, plan.steps, strict=True):
-        time = clock(step.at - plan.start)
+        time = exact_clock(step.at - plan.start)
         yield f"{time:>10}  {name:{width}}  {_args(step):{ARGS}}  {_outcome(step, plan)}"
 
 
@@ -287,7 +288,7 @@ def _outcome(step: RerunStep, plan: RerunPlan) -> str:
         return f"left out: {clean(step.skip)}"
     cut = ""
     if step.cut >= 0:
-        cut = f", cut at {clock(step.cut - plan.start)} ({clean(step.why_cut)})"
+        cut = f", cut at {exact_clock(step.cut - plan.start)} ({clean(step.why_cut)})"
     return f"{'drives' if step.drives else 'sent'}{cut}"
 
 

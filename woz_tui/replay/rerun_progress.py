@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from woz_tui.analysis.text_format import exact_clock
 from woz_tui.protocol import messages as m
 from woz_tui.session.redactor import Redactor
 from woz_tui.system.text_cleaning import clean
@@ -12,13 +13,6 @@ from woz_tui.timeline.episodes import OUTCOMES
 
 #: Ends of commands that are as planned.
 _EXPECTED = (m.Done, m.Stopped, m.Superseded)
-
-
-def clock(us: int) -> str:
-    """`1:02.345`; before the first command `-0:00.500`."""
-    sign, us = ("-", -us) if us < 0 else ("", us)
-    minutes, rest = divmod(us, 60_000_000)
-    return f"{sign}{minutes}:{rest / 1_000_000:06.3f}"
 
 
 @dataclass
@@ -83,4 +77,4 @@ class RerunLines:
         yield f"{self._time(end.t)}  {what} {how}: {clean(end.reason)}"
 
     def _time(self, t: int) -> str:
-        return f"{clock(t - self.began):>10}"
+        return f"{exact_clock(t - self.began):>10}"

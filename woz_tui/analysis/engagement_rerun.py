@@ -238,7 +238,7 @@ def rerun(
     path: Path,
     settings: EngagementSettings | None,
     damage: Damage,
-    tell: Callable[[Transition], object] = lambda change: None,
+    tell: Callable[[Transition], object] | None = None,
     above: SettingsOverride | None = None,
 ) -> LogRerun:
     """Read the log to which `path` belongs; `tell` hears of each transition as it is computed.
@@ -257,8 +257,9 @@ def rerun(
 
     def follow(changes: Sequence[Transition]) -> None:
         recount.computed += changes
-        for change in changes:
-            tell(change)
+        if tell is not None:
+            for change in changes:
+                tell(change)
 
     for line in read(path, damage):
         recount.end = max(recount.end, line.t)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import sys
 from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,13 +23,12 @@ from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_words import PAPER
 from woz_tui.log.log_reader import Damage, read
 from woz_tui.protocol import messages as m
+from woz_tui.replay.experiment_origin import candidate_files
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.model_time import SECOND
 
 #: What a model writes; its settings come before all else of it.
 _MODEL = frozenset({SETTINGS_KIND, "engagement.changed", "engagement.shown"})
-#: The folder in which a project keeps its experiments, beside the one of its logs.
-_EXPERIMENTS = "experiments"
 
 
 def run(
@@ -37,17 +36,13 @@ def run(
 ) -> LogRerun:
     """Go through the log, printing the transitions as `lines`; its settings are `planned`."""
     damage = Damage()
-    recount = rerun(path, begin, damage, _print_change if lines else _keep_quiet, above)
+    recount = rerun(path, begin, damage, _print_change if lines else None, above)
     _hints(recount, damage)
     return recount
 
 
 def _print_change(change: Transition) -> None:
     print(json_text(line_of(change)))
-
-
-def _keep_quiet(change: Transition) -> None:
-    """The comparison comes when all is known."""
 
 
 # -- settings ----------------------------------------------------------------------------------
@@ -98,38 +93,18 @@ def _searched(
     of_experiment: Callable[[Path], EngagementSettings],
 ) -> EngagementSettings:
     """Those of the experiment that the session was run with, if its very file is still there."""
-    start = _start_of(log)
-    if start is None:
+    start = next((line.message for line in read(log, Damage())), None)
+    if not isinstance(start, m.SessionStart):
         _warn("the log does not name its experiment; the defaults are used")
         return otherwise
-    found, why = _experiment_of(log, start)
-    if found is None:
-        _warn(f"{why}; the defaults are used (name a file with --experiment)")
-        return otherwise
-    return of_experiment(found)
-
-
-def _start_of(log: Path) -> m.SessionStart | None:
-    for line in read(log, Damage()):
-        message = line.message
-        return message if isinstance(message, m.SessionStart) else None
-    return None
-
-
-def _experiment_of(log: Path, start: m.SessionStart) -> tuple[Path | None, str]:
-    """The experiment's file, or why it is not taken."""
     name = Path(start.experiment).name
     why = f"{name} is not beside the log"
-    near = (log.resolve().parent, log.resolve().parent.parent, Path.cwd())
-    folders = dict.fromkeys(folder / sub for sub in ("", _EXPERIMENTS) for folder in near)
-    for folder in folders:
-        file = folder / name
-        if not name or not file.is_file():
-            continue
+    for file in candidate_files(log, name):
         why = _unlike(file, start)
         if not why:
-            return file, ""
-    return None, why
+            return of_experiment(file)
+    _warn(f"{why}; the defaults are used (name a file with --experiment)")
+    return otherwise
 
 
 def _unlike(file: Path, start: m.SessionStart) -> str:
@@ -160,22 +135,17 @@ def _hints(recount: LogRerun, damage: Damage) -> None:
     if missing:
         _warn(f"the log has no samples of {', '.join(missing)}")
     if again.passed_over:
-        _warn(_passed_over(again.passed_over))
+        first, count = f"{again.passed_over[0] / SECOND:.1f} s", len(again.passed_over)
+        what = f"{count} changes by hand were ignored (the first at {first})"
+        if count == 1:
+            what = f"1 change by hand was ignored (at {first})"
+        _warn(f"{what}: the command line names what was changed")
     edited = again.settings_at[1:] if again.settings_at else recount.reloads
     if edited and (again.above.one or not again.settings_at):
         _warn(
             f"the section engagement was edited {edited[0] / SECOND:.0f} s after the"
             " start; everything is computed with one set of settings"
         )
-
-
-def _passed_over(times: Sequence[int]) -> str:
-    first = f"{times[0] / SECOND:.1f} s"
-    if len(times) == 1:
-        what = f"1 change by hand was ignored (at {first})"
-    else:
-        what = f"{len(times)} changes by hand were ignored (the first at {first})"
-    return f"{what}: the command line names what was changed"
 
 
 def _warn(text: str) -> None:

@@ -153,23 +153,20 @@ def _check_robot(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) ->
     if arguments.all:
         _print_drivers(console, drivers)
     else:
-        rows = (
-            (f"{spec.name} ({spec.kind})", "\n".join(_offered(spec)) or "nothing")
-            for spec in drivers
-        )
+        rows = []
+        for spec in drivers:
+            offered = [", ".join(verb.name for verb in spec.offer.verbs)]
+            if spec.offer.sensors:
+                offered.append(f"senses {', '.join(spec.offer.sensors)}")
+            rows.append(
+                (f"{spec.name} ({spec.kind})", "\n".join(filter(None, offered)) or "nothing")
+            )
         _print_section(console, "what it offers", _subject_rows(rows))
     told = f"{file}: a robot file of {_count(len(drivers), 'driver')}, no errors"
     console.print(Text(told, style="bold"), soft_wrap=True)
     fits = f"what it does of an experiment: woz check EXPERIMENT --robot {file}"
     console.print(Text(fits), soft_wrap=True)
     return 0
-
-
-def _offered(spec: DriverSpec) -> Iterator[str]:
-    if spec.offer.verbs:
-        yield ", ".join([verb.name for verb in spec.offer.verbs])
-    if spec.offer.sensors:
-        yield f"senses {', '.join(spec.offer.sensors)}"
 
 
 def _print_errors(problems: list[Problem], arguments: Namespace) -> None:
@@ -202,10 +199,21 @@ def _print(
     if arguments.keys or arguments.all or key_options:
         console.print(f"keys on a {terminal.name} terminal with a {layout} keyboard", style="dim")
         console.print(_keys_table(experiment, keymap))
-        for line in _moved_builtins(keymap):
-            console.print(Text(line))
+        for assigned in keymap.builtins.values():
+            item = keys.builtin_key(assigned.name)
+            if item is not None and assigned.press != item.chord:
+                why = f" ({assigned.wanted}: {assigned.why})" if assigned.why else ""
+                console.print(Text(f"{assigned.press or 'no key'}: {item.description}{why}"))
     if arguments.all:
-        _print_robot_and_study(console, experiment)
+        if experiment.parts:
+            _print_section(console, "parts", _subject_rows(_part_lines(experiment)))
+        _print_drivers(console, experiment.drivers)
+        if experiment.engagement is not None:
+            lines = engagement_lines(experiment, experiment.engagement)
+            _print_section(console, "engagement", _subject_rows(lines))
+            _print_section(console, "", verb_rows(engagement_verbs()))
+        if study := [*study_summary.study_lines(experiment)]:
+            _print_section(console, "study", _subject_rows(study))
     if experiment.robot:
         console.print(robot_fit.action_table(experiment))
     warnings = [*map(str, experiment.warnings), *keymap.warnings]
@@ -245,18 +253,6 @@ def _part_lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
         yield "(everybody)", f"{', '.join(uncovered)} by hand: no panel `covers` it"
 
 
-def _print_robot_and_study(console: TextConsole, experiment: Experiment) -> None:
-    if experiment.parts:
-        _print_section(console, "parts", _subject_rows(_part_lines(experiment)))
-    _print_drivers(console, experiment.drivers)
-    if experiment.engagement is not None:
-        lines = engagement_lines(experiment, experiment.engagement)
-        _print_section(console, "engagement", _subject_rows(lines))
-        _print_section(console, "", verb_rows(engagement_verbs()))
-    if study := [*study_summary.study_lines(experiment)]:
-        _print_section(console, "study", _subject_rows(study))
-
-
 def _print_drivers(console: TextConsole, drivers: Iterable[DriverSpec]) -> None:
     for spec in drivers:
         rows = verb_rows(spec.offer.verbs)
@@ -293,12 +289,6 @@ def verb_rows(verbs: Sequence[Verb]) -> list[tuple[Text, Text]]:
     ]
 
 
-def _beside_panels(experiment: Experiment) -> Iterator[tuple[Action, keys.BuiltinKey]]:
-    """Actions beside the panels that have a key of the console."""
-    for action in experiment.beside_panels:
-        yield from ((action, item) for item in keys.BUILTIN_KEYS if item.action == action.name)
-
-
 def _keys_table(experiment: Experiment, keymap: keys.KeyMap) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     table.add_column("panel", overflow="fold", style="dim")
@@ -319,7 +309,13 @@ def _keys_table(experiment: Experiment, keymap: keys.KeyMap) -> Table:
                 end_section=index == len(panel.actions) - 1,
             )
     above = ""
-    for action, own in _beside_panels(experiment):
+    beside = (
+        (action, item)
+        for action in experiment.beside_panels
+        for item in keys.BUILTIN_KEYS
+        if item.action == action.name
+    )
+    for action, own in beside:
         assigned = keymap.builtins[own.id]
         does = _action_cell(action, assigned, main_names)
         if not action.steps:
@@ -347,15 +343,6 @@ def _action_cell(action: Action, assigned: keys.AssignedKey, main_names: Mapping
     elif assigned.why:
         text.append(f"\n{assigned.wanted}: {assigned.why}", style="dim")
     return text
-
-
-def _moved_builtins(keymap: keys.KeyMap) -> Iterator[str]:
-    for assigned in keymap.builtins.values():
-        item = keys.builtin_key(assigned.name)
-        if item is None or assigned.press == item.chord:
-            continue
-        why = f" ({assigned.wanted}: {assigned.why})" if assigned.why else ""
-        yield f"{assigned.press or 'no key'}: {item.description}{why}"
 
 
 def _argument(argument: Argument) -> str:

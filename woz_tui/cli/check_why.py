@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from rich.text import Text
 
-from woz_tui.config.experiment import Action, Experiment
+from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS
 from woz_tui.config.keys.keymap import actions_on
@@ -62,7 +62,10 @@ def show(experiment: Experiment, key: str, *, as_json: bool) -> int:
     for heading, told in answers:
         console.print(Text(heading, style="bold"), soft_wrap=True)
         for moment, refusal in told:
-            console.print(Text(f"  {moment.when}: {_sentence(refusal)}"), soft_wrap=True)
+            said = "yes"
+            if refusal is not None:
+                said = f"no: {refusal.reason}" + (f"; {refusal.remedy}" if refusal.remedy else "")
+            console.print(Text(f"  {moment.when}: {said}"), soft_wrap=True)
     console.print(Text(f"only a session knows: {', '.join(unknown)}", style="dim"), soft_wrap=True)
     return 0
 
@@ -77,8 +80,10 @@ def _questions(
     named = [experiment.action(name) for name in names if name]
     for action in [*actions, *(each for each in named if each is not None and each not in actions)]:
         beside = action in experiment.beside_panels
+        of_console = (item.chord for item in BUILTIN_KEYS if item.action == action.name)
+        own_key = action.key or next(of_console, "") or "no key"
         yield (
-            f"{action.label} ({_key_of(action) or 'no key'}, panel {action.panel})",
+            f"{action.label} ({own_key}, panel {action.panel})",
             [
                 (each, PlayAction(action.name, action, _origin(each), beside_panels=beside))
                 for each in moments
@@ -90,12 +95,6 @@ def _questions(
                 f"{key} by itself, on {spec.name}",
                 [(each, SendVerb(key, {}, spec.name, _origin(each))) for each in moments],
             )
-
-
-def _key_of(action: Action) -> str:
-    """Its own, or that of the console that plays it."""
-    own = (item.chord for item in BUILTIN_KEYS if item.action == action.name)
-    return action.key or next(own, "")
 
 
 def _origin(moment: Moment) -> RequestOrigin:
@@ -133,12 +132,6 @@ def _facts(experiment: Experiment, features: Mapping[str, object], part: str = "
         wizards={each: each for each in experiment.parts} if part else {},
         features=features,
     )
-
-
-def _sentence(refusal: Refusal | None) -> str:
-    if refusal is None:
-        return "yes"
-    return f"no: {refusal.reason}" + (f"; {refusal.remedy}" if refusal.remedy else "")
 
 
 def _plain(when: str, refusal: Refusal | None) -> Json:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -116,8 +116,15 @@ class RobotMatrix:
             console.print()
             console.print(self._table(actions[begin : begin + _ROWS], console.width))
         console.print()
-        for line in self._lines():
-            console.print(Text(line))
+        for number, (name, experiment) in enumerate(self.experiments.items(), 1):
+            counts = Counter(
+                each.what for action in actions_of(experiment) for each in action.left_out
+            )
+            what = ", ".join(f"{verb} {count}" for verb, count in counts.most_common())
+            does = f"leaves out {what}" if what else "does everything"
+            console.print(Text(f"{number:2} {name}: {does}"))
+        for name, why in self.wrong.items():
+            console.print(Text(f"   {name}: {why}"))
 
     def _table(self, actions: Sequence[Action], width: int) -> Table:
         """Columns as wide as in any other part of the whole."""
@@ -128,24 +135,10 @@ class RobotMatrix:
         for number, _ in enumerate(self.experiments, 1):
             table.add_column(str(number), no_wrap=True, width=_COLUMN - 1)
         for action in actions:
-            cells = [
-                Text(how, style=_STYLES[how])
-                for experiment in self.experiments.values()
-                for how in (share(_same(experiment, action)),)
-            ]
+            cells = []
+            for experiment in self.experiments.values():
+                same = next(each for each in experiment.actions if each.name == action.name)
+                how = share(same)
+                cells.append(Text(how, style=_STYLES[how]))
             table.add_row(Text(action.label), *cells)
         return table
-
-    def _lines(self) -> Iterator[str]:
-        for number, (name, experiment) in enumerate(self.experiments.items(), 1):
-            counts = Counter(
-                each.what for action in actions_of(experiment) for each in action.left_out
-            )
-            what = ", ".join(f"{verb} {count}" for verb, count in counts.most_common())
-            yield f"{number:2} {name}: {f'leaves out {what}' if what else 'does everything'}"
-        for name, why in self.wrong.items():
-            yield f"   {name}: {why}"
-
-
-def _same(experiment: Experiment, action: Action) -> Action:
-    return next(each for each in experiment.actions if each.name == action.name)

@@ -108,7 +108,10 @@ def _open(arguments: Namespace, socket: Path, explain: Callable[[Loss], Loss] | 
     )
     here = Path(closed.log) if closed.log and arguments.access is None else None
     log = here if closed.left == "ended" else None  # while it goes on it is somebody else's
-    if lines := console_start.farewell(closed, f"woz attach{_again(arguments)}", log):
+    access = f" --access {shlex.quote(str(arguments.access))}" if arguments.access else ""
+    name = f" {shlex.quote(arguments.name)}" if arguments.name else ""
+    again = f"woz attach{access}{name}{_repeated_options(arguments)}"
+    if lines := console_start.farewell(closed, again, log):
         print("\n".join(lines))
     return closed.code
 
@@ -135,10 +138,3 @@ def _repeated_options(arguments: Namespace) -> str:
     if (screen := _screen(arguments)) is not None:
         return f" {screen.flag} {getattr(arguments, screen.dest)}".rstrip()
     return f"{' --watch' * arguments.watch}{part_again(arguments)}"
-
-
-def _again(arguments: Namespace) -> str:
-    """What leads to the same session, also to one on another machine."""
-    access = f" --access {shlex.quote(str(arguments.access))}" if arguments.access else ""
-    name = f" {shlex.quote(arguments.name)}" if arguments.name else ""
-    return access + name + _repeated_options(arguments)

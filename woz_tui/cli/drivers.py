@@ -65,7 +65,11 @@ def add(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Offer them until ctrl+c or a signal to end, whatever becomes of the terminal."""
     access = AccessFile.read(arguments.access) if arguments.access is not None else None
-    address = arguments.address or _address_in(access)
+    address: str = arguments.address
+    if not address:  # the host is the access file's; its port is that of sessions over a network
+        if access is None or not access.address:
+            raise AccessError(f"where is the session? add HOST:PORT, such as robot.local:{_PORT}")
+        address = f"{access.address.rpartition(':')[0]}:{_PORT}"
     if not ListenAddress.read(address).plain and access is None:
         raise AccessError(
             "this computer needs an access file: make one on the robot with `woz access new NAME`,"
@@ -104,13 +108,6 @@ def _way_to_end(name: str) -> str:
         other.connect(name)
         return f"; `kill {session_sockets.peer_pid(other)}` ends it"
     return ""
-
-
-def _address_in(access: AccessFile | None) -> str:
-    """The host is the access file's; its port is that of sessions over a network."""
-    if access is None or not access.address:
-        raise AccessError(f"where is the session? add HOST:PORT, such as robot.local:{_PORT}")
-    return f"{access.address.rpartition(':')[0]}:{_PORT}"
 
 
 def _offers(file: Path, place: str) -> tuple[str, list[OfferedDriver]]:

@@ -93,7 +93,8 @@ def _into(arguments: Namespace) -> int:
         threading.Thread(target=_copy_in, args=(session,), daemon=True).start()
         with contextlib.suppress(OSError):
             while data := session.recv(1 << 16):
-                _write_all(sys.stdout.fileno(), data)
+                while data:
+                    data = data[os.write(sys.stdout.fileno(), data) :]
     return 0
 
 
@@ -105,11 +106,6 @@ def _copy_in(session: socket.socket) -> None:
         session.shutdown(socket.SHUT_RDWR)
 
 
-def _write_all(fd: int, data: bytes) -> None:
-    while data:
-        data = data[os.write(fd, data) :]
-
-
 # -- reading devices -------------------------------------------------------------------------------
 
 
@@ -117,42 +113,46 @@ async def _hands(arguments: Namespace) -> int:
     catalogue = plugins.installed()
     if DRIVER not in catalogue:
         raise plugins.PluginError(f"no installed package offers the driver {DRIVER!r}")
-    panel_of = _panels_of(arguments.device)
-    panel: Any = catalogue[DRIVER]
-    watch = panel.watch(list(panel_of))
-    watch.on_trouble = lambda what, remedy: _say(f"{what}{remedy and f' ({remedy})'}")
+    split = [argument.rpartition("=") for argument in arguments.device]
+    panel_of = {device: panel for panel, _, device in split}
+    panels: Any = catalogue[DRIVER]
+    watch = panels.watch(list(panel_of))
+    watch.on_trouble = _say_trouble
     if arguments.show:
-        watch.on_found = _show
+        watch.on_found = _ShownDevice
         await watch.run()
     client = HandClient(RealClock(), _say, panel_of=panel_of, take_over=arguments.take_over)
     watch.on_found = client.add
     return await _play(arguments, client, watch)
 
 
-def _panels_of(arguments: list[str]) -> dict[str, str]:
-    """Path or part of a device's name -> the panel that it is for (empty: any), of `--device`."""
-    split = [argument.rpartition("=") for argument in arguments]
-    return {device: panel for panel, _, device in split}
-
-
 def _say(line: str) -> None:
     print(line, flush=True)
 
 
-def _show(device: Any) -> None:
-    _say(f"{device.path}: {device.name} ({device.kind})")
-    before: dict[str, float] = {}
+def _say_trouble(what: str, remedy: str) -> None:
+    _say(f"{what}{remedy and f' ({remedy})'}")
 
-    def changed() -> None:
-        for name in sorted(before.keys() | device.held.keys()):
-            value = device.held.get(name, 0.0)
-            if value != before.get(name, 0.0):
+
+class _ShownDevice:
+    """Prints what is moved on a device."""
+
+    def __init__(self, device: Any) -> None:
+        self._device = device
+        self._before: dict[str, float] = {}
+        device.on_change, device.on_gone = self._changed, self._gone
+        _say(f"{device.path}: {device.name} ({device.kind})")
+
+    def _changed(self) -> None:
+        held = self._device.held
+        for name in sorted(self._before.keys() | held.keys()):
+            value = held.get(name, 0.0)
+            if value != self._before.get(name, 0.0):
                 _say(f"  {name} {value:g}")
-        before.clear()
-        before.update(device.held)
+        self._before = {**held}
 
-    device.on_change = changed
-    device.on_gone = lambda: _say(f"{device.path}: gone")
+    def _gone(self) -> None:
+        _say(f"{self._device.path}: gone")
 
 
 async def _play(arguments: Namespace, client: HandClient, watch: Any) -> int:

@@ -16,7 +16,7 @@ from woz_tui import __version__
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.client import WozError, connect
-from woz_tui.client.tools import Tool, ToolCaller
+from woz_tui.client.tools import ToolCaller
 from woz_tui.system.extras import install_command
 
 ERRORS = CommandErrors(WozError)
@@ -69,6 +69,35 @@ class SessionTools:
                 self._following = asyncio.create_task(self._caller.follow(), name="the session")
             return self._caller
 
+    async def listed(self, _context: object, _asked: object) -> Any:
+        """The tools, as the protocol has them."""
+        import mcp_types  # noqa: PLC0415
+
+        caller = await self.caller()
+        return mcp_types.ListToolsResult(
+            tools=[
+                mcp_types.Tool(
+                    name=tool.name,
+                    description=tool.summary,
+                    input_schema={**tool.schema},
+                    annotations=mcp_types.ToolAnnotations(read_only_hint=tool.only_looks),
+                )
+                for tool in caller.tools()
+            ]
+        )
+
+    async def called(self, _context: object, asked: Any) -> Any:
+        """What comes of a call. One that is cancelled cuts short what it began."""
+        from mcp_types import CallToolResult, TextContent  # noqa: PLC0415
+
+        failed = False
+        try:
+            caller = await self.caller()
+            came = json.dumps(await caller.call(asked.name, asked.arguments or {}))
+        except WozError as error:
+            came, failed = str(error), True
+        return CallToolResult(content=[TextContent(type="text", text=came)], is_error=failed)
+
     async def close(self) -> None:
         """Leave the session."""
         following, self._caller, self._following = self._following, None, None
@@ -89,8 +118,8 @@ async def _serve(session: str) -> int:
             "woz-tui",
             version=__version__,
             instructions=INSTRUCTIONS,
-            on_list_tools=lambda context, asked: _listed(tools),
-            on_call_tool=lambda context, asked: _called(tools, asked),
+            on_list_tools=tools.listed,
+            on_call_tool=tools.called,
         )
         async with stdio_server() as (reader, writer):
             options = server.create_initialization_options()
@@ -98,34 +127,3 @@ async def _serve(session: str) -> int:
     finally:
         await tools.close()
     return 0
-
-
-async def _listed(tools: SessionTools) -> Any:
-    from mcp_types import ListToolsResult  # noqa: PLC0415
-
-    caller = await tools.caller()
-    return ListToolsResult(tools=[_tool(tool) for tool in caller.tools()])
-
-
-def _tool(tool: Tool) -> Any:
-    import mcp_types  # noqa: PLC0415
-
-    return mcp_types.Tool(
-        name=tool.name,
-        description=tool.summary,
-        input_schema={**tool.schema},
-        annotations=mcp_types.ToolAnnotations(read_only_hint=tool.only_looks),
-    )
-
-
-async def _called(tools: SessionTools, asked: Any) -> Any:
-    """A call that is cancelled cuts short what it began."""
-    from mcp_types import CallToolResult, TextContent  # noqa: PLC0415
-
-    failed = False
-    try:
-        caller = await tools.caller()
-        came = json.dumps(await caller.call(asked.name, asked.arguments or {}))
-    except WozError as error:
-        came, failed = str(error), True
-    return CallToolResult(content=[TextContent(type="text", text=came)], is_error=failed)

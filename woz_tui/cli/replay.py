@@ -6,7 +6,6 @@ import argparse
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from woz_tui.cli import console_start
 from woz_tui.cli.argument_types import number
@@ -39,9 +38,6 @@ from woz_tui.replay.player import FASTEST, SLOWEST, ReplayPlayer, ReplayStart
 from woz_tui.replay.recording import Recording
 from woz_tui.replay.replay_feed import ReplayFeed
 from woz_tui.replay.seek import ReplayError, seek_time
-
-if TYPE_CHECKING:
-    from woz_tui.console.replay.app import ReplayConsole
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -135,7 +131,18 @@ def run(arguments: argparse.Namespace) -> int:
             feed = replay_feed(index, path, arguments)
             if feed is None:
                 return 1
-            _, code = console_start.run_console(_console(feed, arguments.theme))
+            from woz_tui.console.replay.app import ReplayConsole  # noqa: PLC0415
+            from woz_tui.console.replay.commands import ReplayKeyboard  # noqa: PLC0415
+            from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
+
+            console = ReplayConsole(
+                feed,
+                ReplayKeyboard(feed),
+                look=detect_appearance(arguments.theme)[0],
+                terminal=detect_terminal(os.environ),
+                driver_class=WizardDriver,
+            )
+            _, code = console_start.run_console(console)
             feed.close()
             return code
     except (LogError, ReplayError, CodingError) as error:
@@ -221,7 +228,7 @@ def _experiment(
             f"woz: {origin.name} has errors now, so it is not the version of the session",
         ]
     objections = change_lines(origin, experiment, reveal=arguments.reveal)
-    return (None, objections) if objections else (_plan(experiment, catalogue), [])
+    return (None, objections) if objections else (_plan(experiment), [])
 
 
 def _bundled_plan(origin: ExperimentOrigin, catalogue: Catalogue) -> SessionPlan | None:
@@ -233,24 +240,8 @@ def _bundled_plan(origin: ExperimentOrigin, catalogue: Catalogue) -> SessionPlan
         experiment = load(file, catalogue, robot=origin.robot)
     except ExperimentError:
         return None
-    return _plan(experiment, catalogue) if origin.made_with(experiment) else None
+    return _plan(experiment) if origin.made_with(experiment) else None
 
 
-def _plan(experiment: Experiment, catalogue: Catalogue) -> SessionPlan:
-    """The plan that the experiment shows."""
+def _plan(experiment: Experiment) -> SessionPlan:
     return plan_of(ExperimentView(experiment, values=dict(experiment.variables)))
-
-
-def _console(feed: ReplayFeed, theme: str) -> ReplayConsole:
-    """The console, ready to run."""
-    from woz_tui.console.replay.app import ReplayConsole  # noqa: PLC0415
-    from woz_tui.console.replay.commands import ReplayKeyboard  # noqa: PLC0415
-    from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
-
-    return ReplayConsole(
-        feed,
-        ReplayKeyboard(feed),
-        look=detect_appearance(theme)[0],
-        terminal=detect_terminal(os.environ),
-        driver_class=WizardDriver,
-    )

@@ -36,7 +36,6 @@ from woz_tui.replay import experiment_origin
 from woz_tui.replay.opened_log import LogError, log_in
 from woz_tui.replay.rerun_plan import (
     RerunPlan,
-    RerunStep,
     fitted,
     plan_of,
     redacted_plan,
@@ -91,8 +90,14 @@ def play(arguments: argparse.Namespace) -> int:
         return 1
     command = _host_command(rerun, arguments)
     if arguments.headless:
-        launch = Launch([*command, "--headless"])
-        return watch(launch, _streams(rerun), rerun.redactor)
+        # Setpoints that come in streams are too many for a line each.
+        streams = frozenset(
+            (spec.name, verb.name)
+            for spec in rerun.experiment.drivers
+            for verb in spec.offer.verbs
+            if verb.stream
+        )
+        return watch(Launch([*command, "--headless"]), streams, rerun.redactor)
     return _in_console(command, own_keys, arguments.theme)
 
 
@@ -116,34 +121,20 @@ def _prepare(arguments: argparse.Namespace) -> _Rerun | None:
     try:
         log = log_in(arguments.file)
         plan = plan_of(log)
-        file = arguments.experiment or _bundled(log, plan.origin.name)
-        experiment = _load_experiment(log, plan, file, reveal=arguments.reveal)
+        file, name = arguments.experiment, Path(plan.origin.name).name
+        if file is None and name and not experiment_origin.candidate_files(log, name):
+            file = bundled_file(name)
+        experiment = experiment_origin.find_experiment(log, plan.origin, installed(), file)
+    except ExperimentError as error:
+        print(*error_lines(plan.origin, error, reveal=arguments.reveal), sep="\n", file=sys.stderr)
+        return None
     except (ValueError, LogError, experiment_origin.OriginError) as error:
         print(f"woz: {error}", file=sys.stderr)
-        return None
-    if experiment is None:
         return None
     changes = change_lines(plan.origin, experiment, reveal=arguments.reveal)
     redactor = experiment_origin.redactor_of(plan.origin, experiment, reveal=arguments.reveal)
     plan = fitted(plan, experiment)
     return _Rerun(log, experiment, plan, redacted_plan(plan, redactor), changes, redactor)
-
-
-def _load_experiment(
-    log: Path, plan: RerunPlan, file: Path | None, *, reveal: bool
-) -> Experiment | None:
-    """The present experiment; None after printing its errors."""
-    try:
-        return experiment_origin.find_experiment(log, plan.origin, installed(), file)
-    except ExperimentError as error:
-        print(*error_lines(plan.origin, error, reveal=reveal), sep="\n", file=sys.stderr)
-        return None
-
-
-def _bundled(log: Path, name: str) -> Path | None:
-    """The experiment of this name that comes with woz-tui, if there is none near the log."""
-    name = Path(name).name
-    return bundled_file(name) if name and not experiment_origin.candidate_files(log, name) else None
 
 
 def _dry_run(rerun: _Rerun, arguments: argparse.Namespace) -> int:
@@ -195,16 +186,6 @@ def _host_command(rerun: _Rerun, arguments: argparse.Namespace) -> list[str]:
     ]
 
 
-def _streams(rerun: _Rerun) -> frozenset[tuple[str, str]]:
-    """Driver and verb of setpoints that come in streams: too many for a line each."""
-    return frozenset(
-        (spec.name, verb.name)
-        for spec in rerun.experiment.drivers
-        for verb in spec.offer.verbs
-        if verb.stream
-    )
-
-
 def _in_console(command: list[str], own_keys: Sequence[BuiltinKey], theme: str) -> int:
     opened = run_session(  # nobody starts it again from the console: it would begin anew
         command,
@@ -226,8 +207,15 @@ def summary_lines(plan: RerunPlan, experiment: Experiment, *, headless: bool) ->
     drives = sum(step.drives for step in plan.sent)
     yield f"session     {plan.session or 'without a code'}  ({clean(plan.name)})"
     yield f"experiment  {clean(experiment.title)}  ({experiment.path})"
-    yield f"robot       {_robot(plan, experiment)}"
-    yield f"commands    {len(plan.sent)} in {exact_clock(plan.duration)}{_counts(plan)}"
+    types = {spec.name: spec.type for spec in experiment.drivers}
+    robot = ", ".join(f"{clean(name)} ({types.get(name, '?')})" for name in plan.drivers)
+    yield f"robot       {robot or 'none'}"
+    yield f"commands    {len(plan.sent)} in {exact_clock(plan.duration)}"
+    by_driver: dict[str, list[str]] = {}
+    for (driver, verb), count in plan.counts.items():
+        by_driver.setdefault(clean(driver), []).append(f"{count} {clean(verb)}")
+    for name, counts in by_driver.items():
+        yield f"              {name}: {', '.join(counts)}"
     if drives:
         who = (
             "are refused, because no wizard watches" if headless else "need a wizard at the console"
@@ -238,32 +226,15 @@ def summary_lines(plan: RerunPlan, experiment: Experiment, *, headless: bool) ->
         yield f"cut short   {cut}, at the same moments as in the log"
     if plan.stops:
         yield f"stops       {plan.stops} in the log; the stop is not pressed again"
-    for count, reason in _reasons(plan):
+    reasons = Counter(clean(step.skip) for step in plan.skipped).most_common()
+    for reason, count in reasons[:REASONS]:
         yield f"left out    {count}: {reason}"
+    if rest := sum(count for _, count in reasons[REASONS:]):
+        yield f"left out    {rest}: for other reasons; --dry-run names each"
     if not plan.ended:
         yield "the log has no end: its session was interrupted, or is still running"
     for sentence in plan.damage:
         yield f"damage      {clean(sentence)}"
-
-
-def _robot(plan: RerunPlan, experiment: Experiment) -> str:
-    types = {spec.name: spec.type for spec in experiment.drivers}
-    return ", ".join(f"{clean(name)} ({types.get(name, '?')})" for name in plan.drivers) or "none"
-
-
-def _counts(plan: RerunPlan) -> str:
-    by_driver: dict[str, list[str]] = {}
-    for (driver, verb), count in plan.counts.items():
-        by_driver.setdefault(clean(driver), []).append(f"{count} {clean(verb)}")
-    return "".join(f"\n              {name}: {', '.join(c)}" for name, c in by_driver.items())
-
-
-def _reasons(plan: RerunPlan) -> list[tuple[int, str]]:
-    """The reasons, the most frequent first; rare ones beyond `REASONS` together."""
-    counted = Counter(clean(step.skip) for step in plan.skipped).most_common()
-    reasons = [(count, reason) for reason, count in counted[:REASONS]]
-    rest = sum(count for _, count in counted[REASONS:])
-    return [*reasons, (rest, "for other reasons; --dry-run names each")] if rest else reasons
 
 
 def table_lines(plan: RerunPlan) -> Iterator[str]:
@@ -273,7 +244,15 @@ def table_lines(plan: RerunPlan) -> Iterator[str]:
     yield f"{'time':>10}  {'command':{width}}  {'arguments':{ARGS}}  what"
     for name, step in zip(names, plan.steps, strict=True):
         time = exact_clock(step.at - plan.start)
-        yield f"{time:>10}  {name:{width}}  {_args(step):{ARGS}}  {_outcome(step, plan)}"
+        args = step.command.args
+        text = clean(json.dumps(args, ensure_ascii=False)) if args else ""
+        shown = text if len(text) <= ARGS else f"{text[: ARGS - 3]}..."
+        what = "drives" if step.drives else "sent"
+        if step.skip:
+            what = f"left out: {clean(step.skip)}"
+        elif step.cut >= 0:
+            what += f", cut at {exact_clock(step.cut - plan.start)} ({clean(step.why_cut)})"
+        yield f"{time:>10}  {name:{width}}  {shown:{ARGS}}  {what}"
 
 
 def verdict_line(plan: RerunPlan) -> str:
@@ -281,20 +260,6 @@ def verdict_line(plan: RerunPlan) -> str:
     text = f"{len(plan.sent)} would be sent, {len(plan.skipped)} left out"
     impossible = len(unfit_steps(plan))
     return f"{text}, {impossible} of them because this robot cannot do them" if impossible else text
-
-
-def _outcome(step: RerunStep, plan: RerunPlan) -> str:
-    if step.skip:
-        return f"left out: {clean(step.skip)}"
-    cut = ""
-    if step.cut >= 0:
-        cut = f", cut at {exact_clock(step.cut - plan.start)} ({clean(step.why_cut)})"
-    return f"{'drives' if step.drives else 'sent'}{cut}"
-
-
-def _args(step: RerunStep) -> str:
-    text = clean(json.dumps(step.command.args, ensure_ascii=False)) if step.command.args else ""
-    return text if len(text) <= ARGS else f"{text[: ARGS - 3]}..."
 
 
 # -- without a console ----------------------------------------------------------------------------
@@ -344,40 +309,25 @@ def _print_until_closed(robot: RobotProcess, progress: RerunLines) -> bool:
         while True:
             for key, _ in selector.select():
                 if key.fileobj is link:
-                    data = _receive(link)
+                    data = b""
+                    with contextlib.suppress(ConnectionError):  # it has died
+                        data = link.recv(1 << 16)
                     if not data:
                         return stopped
                     *lines, rest = (rest + data).split(b"\n")
-                    _print(progress, lines)
-                elif key.fileobj is signals or _is_stop(key.fd):
-                    if key.fileobj is signals:
-                        signals.recv(64)
+                    for line in lines:
+                        with contextlib.suppress(codec.WireError):
+                            for text in progress.lines(codec.decode_incoming(line)):
+                                print(text, flush=True)
+                    continue
+                typed = os.read(key.fd, 64)
+                if key.fileobj is signals or _ESCAPE in typed or _CTRL_C in typed:
                     if stopped:
                         raise KeyboardInterrupt
                     stopped = True
                     with contextlib.suppress(ConnectionError):
                         stop = AskStop(source="key", sent_us=RealClock().boot_us())
                         link.sendall(codec.encode(stop))
-
-
-def _receive(link: socket.socket) -> bytes:
-    """What has come; nothing when the robot process has closed, or died."""
-    try:
-        return link.recv(1 << 16)
-    except ConnectionError:
-        return b""
-
-
-def _print(progress: RerunLines, lines: list[bytes]) -> None:
-    for line in lines:
-        with contextlib.suppress(codec.WireError):
-            for text in progress.lines(codec.decode_incoming(line)):
-                print(text, flush=True)
-
-
-def _is_stop(keyboard: int) -> bool:
-    typed = os.read(keyboard, 64)
-    return _ESCAPE in typed or _CTRL_C in typed
 
 
 @contextlib.contextmanager

@@ -63,7 +63,16 @@ def play(arguments: Namespace, experiment: Path, robot: str = "", demo: Shown | 
     if demo is None and experiment.is_file():
         arguments.wizard = wizard_code(arguments.wizard)
     shown = demo or Shown()
-    command = _host_command(arguments, experiment, robot)
+    codes = (*_CODES, *(option.dest for option in start_options().values()))
+    command = host_arguments(
+        experiment,
+        recordings=arguments.recordings,
+        spill=arguments.spill,
+        name=arguments.name,
+        codes={code: str(getattr(arguments, code) or "") for code in codes},
+        robot=robot,
+        listen=arguments.listen,
+    )
     if shown.fitted:
         command.append("--fitted")
 
@@ -93,16 +102,3 @@ def play(arguments: Namespace, experiment: Path, robot: str = "", demo: Shown | 
         again = f"woz attach{part_again(arguments)}"
         print("\n".join(console_start.farewell(result.closed, again, result.robot.log)))
     return result.code
-
-
-def _host_command(arguments: Namespace, experiment: Path, robot: str) -> list[str]:
-    options = [option.dest for option in start_options().values()]
-    return host_arguments(
-        experiment,
-        recordings=arguments.recordings,
-        spill=arguments.spill,
-        name=arguments.name,
-        codes={code: str(getattr(arguments, code) or "") for code in (*_CODES, *options)},
-        robot=robot,
-        listen=arguments.listen,
-    )

@@ -113,7 +113,19 @@ def _compared(arguments: argparse.Namespace, found: Codings) -> int:
         print(f"woz coding: there is no tier {arguments.tier!r}; {tiers}", file=sys.stderr)
         return 1
     if arguments.json:
-        print(json_text([_plain(each, arguments) for each in selected]))
+        found_json = [
+            {
+                "tier": each.tier,
+                "coders": arguments.coders,
+                "bin_s": arguments.bin,
+                "bins": each.bins,
+                "agreement": each.agreed,
+                "kappa": each.kappa,
+                "table": [[*codes, count] for codes, count in sorted(each.table.items())],
+            }
+            for each in selected
+        ]
+        print(json_text(found_json))
         return 0
     paper = report_page()
     seconds = sum(end - begin for begin, end in within) / 1e6
@@ -123,18 +135,6 @@ def _compared(arguments: argparse.Namespace, found: Codings) -> int:
     for each in selected:
         _show(paper, each, one, other)
     return 0
-
-
-def _plain(found: Agreement, arguments: argparse.Namespace) -> dict[str, object]:
-    return {
-        "tier": found.tier,
-        "coders": arguments.coders,
-        "bin_s": arguments.bin,
-        "bins": found.bins,
-        "agreement": found.agreed,
-        "kappa": found.kappa,
-        "table": [[one, other, count] for (one, other), count in sorted(found.table.items())],
-    }
 
 
 def _show(paper: ReportPage, found: Agreement, one: str, other: str) -> None:

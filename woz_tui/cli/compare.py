@@ -107,8 +107,23 @@ def _experiments(a: PlayedSession, b: PlayedSession) -> tuple[str, bool]:
 
 def _page(comparison: Comparison, *, everything: bool) -> Iterator[str]:
     limit = sys.maxsize if everything else SHOWN
-    yield from _head(comparison)
-    yield from _figures(comparison)
+    for letter, log in (("A", comparison.a), ("B", comparison.b)):
+        again = f", a re-run of {clean(log.original)}" if log.original else ""
+        yield f"{letter}  {clean(log.name)}{again}"
+    if comparison.by == BY_COMMANDS:
+        yield "paired command by command, as recorded in the re-run's log"
+    else:
+        exact = "" if comparison.exact else " (in parts: the logs are long and differ a lot)"
+        yield f"paired by the names of actions and commands{exact}"
+    counts = len(comparison.pairs), len(comparison.missing), len(comparison.extra)
+    yield ""
+    yield f"in both {counts[0]}, only in A {counts[1]}, only in B {counts[2]}"
+    yield f"in another order {len(comparison.moved)}, different {len(comparison.different)}"
+    if (shifts := comparison.shifts) is not None:
+        yield (
+            f"B later than A: median {_ms(shifts.median)}, p95 {_ms(shifts.p95)},"
+            f" largest {_ms(shifts.largest)}, drift {shifts.drift / 1000:+.3f} ms a second"
+        )
     yield from _acts("only in A", comparison.missing, comparison.why_missing, limit)
     yield from _acts("only in B", comparison.extra, {}, limit)
     yield from _pairs("in another order", comparison.moved, limit)
@@ -120,30 +135,6 @@ def _page(comparison: Comparison, *, everything: bool) -> Iterator[str]:
         yield ""
         known = ", as far as logs without texts tell" if a.redacted or b.redacted else ""
         yield f"Both did the same in the same order{known}."
-
-
-def _head(comparison: Comparison) -> Iterator[str]:
-    for letter, log in (("A", comparison.a), ("B", comparison.b)):
-        again = f", a re-run of {clean(log.original)}" if log.original else ""
-        yield f"{letter}  {clean(log.name)}{again}"
-    if comparison.by == BY_COMMANDS:
-        yield "paired command by command, as recorded in the re-run's log"
-    else:
-        exact = "" if comparison.exact else " (in parts: the logs are long and differ a lot)"
-        yield f"paired by the names of actions and commands{exact}"
-
-
-def _figures(comparison: Comparison) -> Iterator[str]:
-    counts = len(comparison.pairs), len(comparison.missing), len(comparison.extra)
-    yield ""
-    yield f"in both {counts[0]}, only in A {counts[1]}, only in B {counts[2]}"
-    yield f"in another order {len(comparison.moved)}, different {len(comparison.different)}"
-    shifts = comparison.shifts
-    if shifts is not None:
-        yield (
-            f"B later than A: median {_ms(shifts.median)}, p95 {_ms(shifts.p95)},"
-            f" largest {_ms(shifts.largest)}, drift {shifts.drift / 1000:+.3f} ms a second"
-        )
 
 
 def _acts(

@@ -141,29 +141,25 @@ def add_settings(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Print a line for each line; 0, 1 for a file that cannot be read, 2 for wrong options."""
     try:
-        return _run(arguments)
+        if arguments.compare and arguments.trials:
+            raise OptionsError("--compare and --trials: take one of them")
+        settings = settings_of(arguments)
+        if arguments.file is None:
+            raise OptionsError("name a file with lines of samples, a session's log, or -")
+        with _opened(arguments.file) as file:
+            first = file.readline(LONGEST)
+            if _is_log(arguments.file, file, first):
+                return _log(arguments, settings, file, first)
+            if arguments.compare or arguments.trials:
+                option = "--compare" if arguments.compare else "--trials"
+                raise OptionsError(
+                    f"{option} needs a session's log: lines of samples have no results of their own"
+                )
+            _rows(_Lines(arguments.file, file, first), settings, _live(file))
+        return 0
     except OptionsError as error:
         _print_error(str(error))
         return 2
-
-
-def _run(arguments: Namespace) -> int:
-    if arguments.compare and arguments.trials:
-        raise OptionsError("--compare and --trials: take one of them")
-    settings = settings_of(arguments)
-    if arguments.file is None:
-        raise OptionsError("name a file with lines of samples, a session's log, or -")
-    with _opened(arguments.file) as file:
-        first = file.readline(LONGEST)
-        if _is_log(arguments.file, file, first):
-            return _log(arguments, settings, file, first)
-        if arguments.compare or arguments.trials:
-            option = "--compare" if arguments.compare else "--trials"
-            raise OptionsError(
-                f"{option} needs a session's log: lines of samples have no results of their own"
-            )
-        _rows(_Lines(arguments.file, file, first), settings, _live(file))
-    return 0
 
 
 def _log(arguments: Namespace, settings: EngagementSettings, file: BinaryIO, first: bytes) -> int:

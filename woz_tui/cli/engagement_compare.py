@@ -55,9 +55,11 @@ def _table(pairs: Sequence[TransitionPair]) -> Table:
     table.add_column("computed", overflow="fold")
     for pair in pairs:
         style = {ONLY_RECORDED: "red", ONLY_COMPUTED: "green", MOVED: "yellow"}.get(pair.sign, "")
-        table.add_row(
-            _clock(pair.t), _cell(pair.recorded), pair.sign, _second_cell(pair), style=style
-        )
+        computed = _cell(pair.computed)
+        if pair.sign == MOVED and pair.recorded is not None and pair.computed is not None:
+            later = (pair.computed.t - pair.recorded.t) / SECOND
+            computed = f"{pair.computed.now} {later:+.1f} s"
+        table.add_row(_clock(pair.t), _cell(pair.recorded), pair.sign, computed, style=style)
     return table
 
 
@@ -71,13 +73,6 @@ def _cell(change: Transition | None) -> str:
     if change is None:
         return ""
     return f"{change.now} ({change.outcome}{', forced' if change.forced else ''})"
-
-
-def _second_cell(pair: TransitionPair) -> str:
-    if pair.sign != MOVED or pair.recorded is None or pair.computed is None:
-        return _cell(pair.computed)
-    later = (pair.computed.t - pair.recorded.t) / SECOND
-    return f"{pair.computed.now} {later:+.1f} s"
 
 
 def _sentences(figures: dict[str, Json]) -> Iterator[str]:

@@ -39,8 +39,11 @@ def show(
     if found.moments:
         console.print("Seconds until engagement changed", style="bold")
         console.print(_delays(found))
-        if unmoved := _unmoved(found):
-            console.print(unmoved)
+        if unmoved := sum(not row.changes for row in found.delays()):
+            console.print(
+                "-: engagement was the same before and after,"
+                f" {unmoved} of {len(found.moments)} marks"
+            )
 
 
 def _table(*columns: str) -> Table:
@@ -71,14 +74,6 @@ def _delays(found: Trials) -> Table:
     if middle is not None:
         table.add_row("median", *map(_seconds, middle))
     return table
-
-
-def _unmoved(found: Trials) -> str:
-    """How many marks are left out of the median; empty: none."""
-    count = sum(not row.changes for row in found.delays())
-    if not count:
-        return ""
-    return f"-: engagement was the same before and after, {count} of {len(found.moments)} marks"
 
 
 def _seconds(delay: float | None) -> str:

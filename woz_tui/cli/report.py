@@ -112,13 +112,18 @@ def run(arguments: argparse.Namespace) -> int:
 def _report(arguments: argparse.Namespace) -> int:
     from woz_tui.analysis.csv_package import table_files  # noqa: PLC0415
     from woz_tui.analysis.participant_groups import GroupedSessions  # noqa: PLC0415
+    from woz_tui.analysis.session_reading import ReportExtras  # noqa: PLC0415
 
     if arguments.spreadsheet and not arguments.csv:
         print("woz report: --spreadsheet needs --csv; leave it out", file=sys.stderr)
         return 1
     reading = SessionReader(arguments)
     grouped = GroupedSessions()
-    extras = _extras(arguments, len(reading.paths))
+    on_page = arguments.html is not None
+    detailed = on_page or (len(reading.paths) == 1 and not arguments.json)
+    extras = ReportExtras(
+        timeline=detailed, curves=on_page, people=detailed, verified=arguments.verify
+    )
     pages = _pages(arguments, len(reading.paths), extras) if arguments.html else None
     alone: SessionReport | None = None
     try:
@@ -156,7 +161,10 @@ def _report(arguments: argparse.Namespace) -> int:
         return 1
     if not (arguments.json or arguments.html) and grouped.sessions:
         _print(arguments, grouped, alone)
-    _print_written(arguments, nothing=not grouped.sessions)
+    # Of no session no file was written: older ones may be there.
+    for path in filter(None, (arguments.csv, arguments.figures, arguments.html)):
+        nothing = f"{path} was not written: there is nothing to report"
+        print(f"woz report: {f'wrote {path}' if grouped.sessions else nothing}", file=sys.stderr)
     return reading.print_problems("woz report")
 
 
@@ -171,13 +179,6 @@ def _pages(
     if not is_beside(sessions, asked):
         return None
     return SessionPages(arguments.html, options_of(arguments), extras)
-
-
-def _print_written(arguments: argparse.Namespace, *, nothing: bool) -> None:
-    """Prints which files were written. Of no session there are none: older ones may be there."""
-    for path in filter(None, (arguments.csv, arguments.figures, arguments.html)):
-        sentence = f"{path} was not written: there is nothing to report"
-        print(f"woz report: {sentence if nothing else f'wrote {path}'}", file=sys.stderr)
 
 
 class SessionReader:
@@ -236,16 +237,6 @@ def options_of(arguments: argparse.Namespace) -> FigureOptions:
         window_us=round(arguments.window * 1e6),
         waiting=tuple(arguments.cue_state) or WAITING,
         all_trials=arguments.all_trials,
-    )
-
-
-def _extras(arguments: argparse.Namespace, sessions: int) -> ReportExtras:
-    from woz_tui.analysis.session_reading import ReportExtras  # noqa: PLC0415
-
-    page = arguments.html is not None
-    alone = sessions == 1 and not arguments.json
-    return ReportExtras(
-        timeline=page or alone, curves=page, people=page or alone, verified=arguments.verify
     )
 
 

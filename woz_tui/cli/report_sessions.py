@@ -47,7 +47,11 @@ def show_session(page: ReportPage, report: SessionReport, top: int = TOP) -> Non
     page.print(page.block(tables.figures_table(figures)), _actions(page, figures, top))
     page.print(page.block(tables.wizards(figures)))
     page.print(page.block(tables.commands(figures), top), page.block(tables.cues(figures)))
-    page.print(_reaction_bars(page, figures), _press_bars(page, whole))
+    press: Block = []
+    if whole.press:
+        press.append(Text("Key to robot, waits included", "bold"))
+        press += latency_bars(whole.press, page.half, page.signs)
+    page.print(_reaction_bars(page, figures), press)
     page.print(_states(page, figures), _transitions(whole))
     for table in (tables.people, tables.addressed, tables.trials, tables.phases):
         page.print(page.block(table(figures)))
@@ -148,13 +152,6 @@ def _reaction_bars(page: ReportPage, figures: SessionFigures) -> Block:
         return []
     lines = reaction_bars(reactions, figures.window_us, page.half, page.signs)
     return [Text("Reaction times", "bold"), *lines]
-
-
-def _press_bars(page: ReportPage, part: PartFigures) -> Block:
-    if not part.press:
-        return []
-    bars = latency_bars(part.press, page.half, page.signs)
-    return [Text("Key to robot, waits included", "bold"), *bars]
 
 
 def _states(page: ReportPage, figures: SessionFigures) -> Block:

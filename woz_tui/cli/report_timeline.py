@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from rich.text import Text
@@ -85,17 +85,13 @@ def picture(timeline: TimelineDrawing, width: int, signs: TextSigns) -> list[Tex
     """Draws all lanes with their names, the axis of time, and a legend."""
     names = min(_NAMES_AT_MOST, max((len(lane.name) for lane in timeline.lanes), default=0))
     scale = CellScale(timeline.duration_us, max(10, width - names - 1))
-    lines = [
-        Text(f"{_short(lane.name, names, signs):<{names}} ") + _row(lane, scale, signs)
-        for lane in timeline.lanes
-    ]
+    lines = []
+    for lane in timeline.lanes:
+        name = lane.name
+        if len(name) > names:
+            name = name[: names - len(signs.ellipsis)] + signs.ellipsis
+        lines.append(Text(f"{name:<{names}} ") + _row(lane, scale, signs))
     return [*lines, *axis(scale, names + 1, signs), *_legend(timeline, width, signs)]
-
-
-def _short(name: str, width: int, signs: TextSigns) -> str:
-    if len(name) <= width:
-        return name
-    return name[: width - len(signs.ellipsis)] + signs.ellipsis
 
 
 def _row(lane: TimelineLane, scale: CellScale, signs: TextSigns) -> Text:
@@ -217,10 +213,6 @@ def _legend(timeline: TimelineDrawing, width: int, signs: TextSigns) -> list[Tex
             (signs.running, "dim", "going on"),
         ]
     words += [(*_mark(sort, signs), sort) for sort in _LEGEND if sort in marks]
-    return _flowing(words, width)
-
-
-def _flowing(words: Sequence[tuple[str, str, str]], width: int) -> list[Text]:
     lines = [Text()]
     for sign, style, meaning in words:
         piece = Text.assemble((sign, style), (f" {meaning}", "dim"))

@@ -79,11 +79,15 @@ def with_logs(arguments: Namespace, work: Callable[[Namespace], int], who: str) 
     """`work` with `arguments`, in whose `logs` a file stands for standard input. The exit code: 1
     if it cannot be kept, 2 if it is named twice or nothing can come from it.
     """
-    refusal = _refusal(arguments.logs.count(STDIN))
+    times, refusal = arguments.logs.count(STDIN), ""
+    if times > 1:
+        refusal = "- is standard input and can be used only once"
+    elif times and (sys.stdin is None or sys.stdin.isatty()):
+        refusal = "- is standard input, and nothing is piped into it: name a log"
     if refusal:
         print(f"{who}: {refusal}", file=sys.stderr)
         return 2
-    if STDIN not in arguments.logs:
+    if not times:
         return work(arguments)
     try:
         with stdin_as_log(sys.stdin.buffer) as path:
@@ -92,12 +96,3 @@ def with_logs(arguments: Namespace, work: Callable[[Namespace], int], who: str) 
     except PipedError as error:
         print(f"{who}: {error}", file=sys.stderr)
         return 1
-
-
-def _refusal(times: int) -> str:
-    """Why standard input cannot be read as often as it is named."""
-    if times > 1:
-        return "- is standard input and can be used only once"
-    if times and (sys.stdin is None or sys.stdin.isatty()):
-        return "- is standard input, and nothing is piped into it: name a log"
-    return ""

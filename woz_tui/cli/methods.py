@@ -47,9 +47,12 @@ def _run(arguments: Namespace) -> int:
             print(f"## Method ({facts.experiment or 'experiment not recorded'})")
         elif len(studies.found) > 1:
             print(f"{facts.experiment or 'experiment not recorded'}:")
-        _print(
-            [(each.head, each.sentences) for each in paragraphs(facts, about)], arguments.markdown
-        )
+        found = paragraphs(facts, about)
+        if arguments.markdown:
+            for each in found:
+                print(f"\n### {each.head}\n\n{' '.join(each.sentences)}")
+        else:
+            print(" ".join(sentence for each in found for sentence in each.sentences))
         if alike := alike_sentence(facts.participants):
             print(f"woz methods: {alike}", file=sys.stderr)
     if studies.found and (missing := by_hand(about)):
@@ -57,11 +60,3 @@ def _run(arguments: Namespace) -> int:
         for item in missing:
             print(f"  - {item}", file=sys.stderr)
     return reading.print_problems("woz methods")
-
-
-def _print(found: list[tuple[str, tuple[str, ...]]], markdown: bool) -> None:
-    if not markdown:
-        print(" ".join(sentence for _, sentences in found for sentence in sentences))
-        return
-    for head, sentences in found:
-        print(f"\n### {head}\n\n{' '.join(sentences)}")

@@ -133,4 +133,8 @@ def _path_rewriter(original: Path, output: Path | None) -> woz4u.PathRewriter:
         raise ConvertError(f"{output}: {error}") from error
     if relative == ".":
         return str
-    return lambda path: path if path.startswith("~") else str(PurePosixPath(relative) / path)
+
+    def moved(path: str) -> str:
+        return path if path.startswith("~") else str(PurePosixPath(relative) / path)
+
+    return moved

@@ -89,13 +89,17 @@ def run(arguments: Namespace) -> int:
         sections.append(section)
         if not arguments.json:
             console.print(_table(section, console))
+    errors, warnings = _count(sections, "error"), _count(sections, "warning")
     if arguments.json:
-        print(_as_json(sections))
+        found = {"errors": errors, "warnings": warnings, "findings": _all_findings(sections)}
+        print(json_text(found, indent=2))
     else:
-        console.print(_summary(sections))
+        worst = "error" if errors else "warning" if warnings else "ok"
+        text = f"\n{counted(errors, 'error')}, {counted(warnings, 'warning')}"
+        console.print(Text(text, style=LEVELS[worst][-1]))
     if arguments.bundle is not None and not _bundled(arguments.bundle, sections):
         return 1
-    return 1 if _count(sections, "error") else 0
+    return 1 if errors else 0
 
 
 def _bundled(path: Path, sections: list[DoctorSection]) -> bool:
@@ -121,7 +125,14 @@ def examine(
     """
     yield DoctorSection("Terminal", _terminal())
     yield DoctorSection("Machine", _machine(recordings))
-    yield DoctorSection("Ports", _ports())
+    yield DoctorSection(
+        "Ports",
+        [
+            *bounded("serial access", machine_checks.serial_group),
+            *bounded("serial ports", machine_checks.serial_ports),
+            *bounded("latency", machine_checks.latency_timers),
+        ],
+    )
     if experiment is not None:
         yield from _experiment(experiment, robot, at)
     elif robot or at:
@@ -136,7 +147,7 @@ def _terminal() -> list[Finding]:
             return [Finding("info", "terminal", "none here: its checks are skipped")]
         return [
             *bounded("terminal", lambda: terminal_check.environment(os.environ)),
-            *bounded("size", lambda: [terminal_check.size()]),
+            *bounded("size", terminal_check.size),
             # In this thread, so that the terminal's mode is restored whatever happens.
             *terminal_check.conversation(descriptor),
             *bounded("tmux", lambda: terminal_check.multiplexers(os.environ)),
@@ -145,12 +156,12 @@ def _terminal() -> list[Finding]:
 
 def _machine(recordings: Path) -> list[Finding]:
     return [
-        *bounded("python", lambda: [machine_checks.python_version()]),
+        *bounded("python", machine_checks.python_version),
         *bounded("disk", lambda: [machine_checks.free_space(recordings)]),
         *bounded("recordings", lambda: [machine_checks.sync_time(recordings)]),
         *bounded("date", lambda: [machine_checks.calendar(datetime.now(UTC))]),
-        *bounded("time server", lambda: [machine_checks.synchronised()]),
-        *bounded("timing", lambda: [machine_checks.monotonic_clock()]),
+        *bounded("time server", machine_checks.synchronised),
+        *bounded("timing", machine_checks.monotonic_clock),
         *bounded("processor", machine_checks.governor),
         *bounded("power", machine_checks.throttling),
         *bounded("socket", _sockets),
@@ -177,14 +188,6 @@ def _sockets() -> list[Finding]:
             Finding("info", "socket", f"a session is running at {other}: it uses its devices")
             for other in running
         ),
-    ]
-
-
-def _ports() -> list[Finding]:
-    return [
-        *bounded("serial access", machine_checks.serial_group),
-        *bounded("serial ports", machine_checks.serial_ports),
-        *bounded("latency", machine_checks.latency_timers),
     ]
 
 
@@ -299,17 +302,6 @@ def _all_findings(sections: list[DoctorSection]) -> list[dict[str, str]]:
     ]
 
 
-def _as_json(sections: list[DoctorSection]) -> str:
-    return json_text(
-        {
-            "errors": _count(sections, "error"),
-            "warnings": _count(sections, "warning"),
-            "findings": _all_findings(sections),
-        },
-        indent=2,
-    )
-
-
 def _table(section: DoctorSection, console: TextConsole) -> Table:
     is_ascii = not console.encoding.lower().startswith("utf")
     table = Table(box=None, show_header=False, padding=(0, 1, 0, 0), title_justify="left")
@@ -324,9 +316,3 @@ def _table(section: DoctorSection, console: TextConsole) -> Table:
             text.append(f"\n> {finding.remedy}", style="italic")
         table.add_row(Text(signs[is_ascii], style=style), Text(finding.subject), text)
     return table
-
-
-def _summary(sections: list[DoctorSection]) -> Text:
-    errors, warnings = _count(sections, "error"), _count(sections, "warning")
-    text = f"\n{counted(errors, 'error')}, {counted(warnings, 'warning')}"
-    return Text(text, style=LEVELS["error" if errors else "warning" if warnings else "ok"][-1])

@@ -114,12 +114,14 @@ def run(arguments: Namespace) -> int:
 
 def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | None) -> int:
     """`run` with the drivers of `catalogue`; without `ask` nothing is asked."""
+    path: Path | None = arguments.file
     for each in pieces("new_files", FeatureFiles).values():
         if getattr(arguments, each.dest) is not None:
-            return _print_copied(each, arguments)
+            code, said = each.run(getattr(arguments, each.dest), path)
+            print(f"woz: {said}" if code else said, file=sys.stderr if code else sys.stdout)
+            return int(code)
     if arguments.examples:
         return print_examples()
-    path: Path | None = arguments.file
     if path is None:
         print("woz: a new experiment needs a name: woz new guide.yaml", file=sys.stderr)
         return 2
@@ -151,17 +153,14 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
             print("\nNothing was written.")
             return 1
         except ExperimentError as error:
-            return _print_refusal(error, answers)
+            for problem in error.problems:
+                print(_refused(problem), file=sys.stderr)
+            given = ", ".join(f"{name} {value}" for name, value in answers.items() if value)
+            print(f"woz: no file was written ({given})", file=sys.stderr)
+            return 1
         undo.pop_all()
     _print(path, experiment, abilities)
     return 0
-
-
-def _print_copied(files: FeatureFiles, arguments: Namespace) -> int:
-    """List or copy files of a feature."""
-    code, said = files.run(getattr(arguments, files.dest), arguments.file)
-    print(f"woz: {said}" if code else said, file=sys.stderr if code else sys.stdout)
-    return code
 
 
 def _taken(path: Path) -> int:
@@ -175,14 +174,6 @@ def _make_folder(folder: Path, undo: ExitStack) -> None:
         each.mkdir()
         undo.callback(each.rmdir)
     folder.mkdir(exist_ok=True)
-
-
-def _print_refusal(error: ExperimentError, answers: Mapping[str, str]) -> int:
-    for problem in error.problems:
-        print(_refused(problem), file=sys.stderr)
-    text = ", ".join(f"{name} {value}" for name, value in answers.items() if value)
-    print(f"woz: no file was written ({text})", file=sys.stderr)
-    return 1
 
 
 def _refused(problem: Problem) -> str:

@@ -52,22 +52,16 @@ class FeatureFiles(ABC):
         """List the files, or copy one of them; the exit code, and what to say."""
         files = self.files()
         if not name:
-            return 0, self._list(files)
+            width = max(len(each.name) for each in files)
+            rows = [_wrapped(f"  {each.name:<{width}}  {each.about}", width + 4) for each in files]
+            head = f"{counted(len(files), self.what)}; copy one: woz new {self.flag} NAME [FILE]"
+            return 0, "\n".join([head, *rows])
         found = next((each for each in files if each.name == name), None)
         if found is None:
             names = [each.name for each in files]
             near = hint(name, names) or f"; there are {listed(names)}"
             return 1, f"there is no {self.what} {name!r}{near}"
-        path = found.path.name if to is None else to
-        return self._copy(found, Path(path))
-
-    def _list(self, files: Sequence[CopiedFile]) -> str:
-        width = max(len(each.name) for each in files)
-        rows = [_wrapped(f"  {each.name:<{width}}  {each.about}", width + 4) for each in files]
-        head = f"{counted(len(files), self.what)}; copy one: woz new {self.flag} NAME [FILE]"
-        return "\n".join([head, *rows])
-
-    def _copy(self, found: CopiedFile, path: Path) -> tuple[int, str]:
+        path = Path(found.path.name if to is None else to)
         try:
             with path.open("x", encoding="utf-8") as file:
                 file.write(found.path.read_text(encoding="utf-8"))

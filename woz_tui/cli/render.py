@@ -6,7 +6,7 @@ import itertools
 import shutil
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -116,13 +116,12 @@ def render(
     def draw_or_say() -> int:
         return ERRORS.told(draw)
 
-    watch(draw_or_say, lambda: files | _siblings(files), wait)
+    def looked_at() -> set[Path]:
+        """The files, and what else lies in the folders among them."""
+        return files | {each for folder in files if folder.is_dir() for each in folder.iterdir()}
+
+    watch(draw_or_say, looked_at, wait)
     return 0
-
-
-def _siblings(files: Iterable[Path]) -> set[Path]:
-    """What else lies in the folders among the files."""
-    return {each for folder in files if folder.is_dir() for each in folder.iterdir()}
 
 
 def _render(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> list[Path]:
@@ -132,7 +131,11 @@ def _render(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> list
     if arguments.robot is not None:
         written = read_move(arguments.file, stage.spec.settings)
         stage, name = stage.with_move(written), written.name
-    inputs = _inputs(arguments, stage)
+    inputs: list[Input] = []
+    if arguments.inputs is not None:  # all before the first line is printed: nothing comes half
+        complain = _complain if arguments.lenient else None
+        read = read_inputs(input_lines(arguments.inputs), stage.verbs, stage.body, complain)
+        inputs = [stage.translated(one) for one in read]
     score, seconds = stage.score(name, inputs, _warn)
     if arguments.seconds is not None:
         seconds = arguments.seconds
@@ -150,19 +153,6 @@ def _render(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> list
         *(stage.experiment.files if stage.experiment is not None else ()),
         *([Path(folder)] if folder else ()),
     ]
-
-
-def _inputs(arguments: Namespace, stage: Any) -> list[Input]:
-    """All of them before the first line is printed: nothing comes out half."""
-    if arguments.inputs is None:
-        return []
-    complain = (
-        (lambda text: print(f"woz render: {text}", file=sys.stderr))
-        if (arguments.lenient)
-        else None
-    )
-    read = read_inputs(input_lines(arguments.inputs), stage.verbs, stage.body, complain)
-    return [stage.translated(one) for one in read]
 
 
 def line(tick: Tick) -> str:
@@ -183,8 +173,12 @@ def line(tick: Tick) -> str:
     return json_text(fields, separators=(",", ":")) + "\n"
 
 
+def _complain(text: str) -> None:
+    print(f"woz render: {text}", file=sys.stderr)
+
+
 def _warn(t: float, text: str) -> None:
-    print(f"woz render: at {t:.3f} s: {text}", file=sys.stderr)
+    _complain(f"at {t:.3f} s: {text}")
 
 
 # -- curves -----------------------------------------------------------------------------------
@@ -223,32 +217,22 @@ def _plot(
     if any(curve.lags for curve in curves):
         print("dotted: what was wanted, where the joint was too slow for it or its range ends")
     if move is not None:
-        print(*_missed(move, shape), sep="\n")
-
-
-def _pace(move: KeyframeMove, shape: BodyShape) -> float:
-    """How much of a move passes in a second, as the body is at first."""
-    manner = shape.personality
-    return manner.speed * (manner.tempo if move.beats else 1.0)
+        found = shortfalls(move, shape)
+        print(f"{KEY} a frame" + (f", {MISSED} one that is not reached:" if found else ""))
+        for each in found:
+            print(f"{MISSED} {each.layer}, frame {each.frame}: {each}")
 
 
 def _key_rows(move: KeyframeMove, shape: BodyShape, seconds: float, width: int) -> Iterator[str]:
     """A row for each layer, with its frames."""
     missed = {(each.layer, each.frame) for each in shortfalls(move, shape)}
+    manner = shape.personality
+    #: How much of the move passes in a second, as the body is at first.
+    pace = manner.speed * (manner.tempo if move.beats else 1.0)
     for layer in move.layers:
         off = layer.muted or layer.share <= 0
         signs = {
-            frame.at / _pace(move, shape): (
-                OFF if off else MISSED if (layer.name, number) in missed else KEY
-            )
+            frame.at / pace: (OFF if off else MISSED if (layer.name, number) in missed else KEY)
             for number, frame in enumerate(layer.frames, start=1)
         }
         yield key_row(layer.name, signs, seconds, width)
-
-
-def _missed(move: KeyframeMove, shape: BodyShape) -> Iterator[str]:
-    """What joints do not reach, a line each."""
-    found = shortfalls(move, shape)
-    yield f"{KEY} a frame" + (f", {MISSED} one that is not reached:" if found else "")
-    for each in found:
-        yield f"{MISSED} {each.layer}, frame {each.frame}: {each}"

@@ -146,7 +146,12 @@ async def _heard(speaker: Speaker, args: Mapping[str, Json]) -> int:
                 await moved.wait()
         began_us = clock.now_us()
         sent = await driver.perform(LoneJob(speaker.verb.spoken(args)))
-        _print(sent, (clock.now_us() - began_us) / 1_000_000)
+        parts = [f"{(clock.now_us() - began_us) / 1_000_000:.2f} s in all"]
+        if isinstance(delay := sent.get("delay"), int | float):
+            parts.append(f"{delay:.2f} s until the sound was ready")
+        if isinstance(source := sent.get("source"), str):
+            parts.append(f"from: {source}")
+        print(", ".join(parts))
     except TimeoutError:
         last = health[-1] if health else None
         what = last.detail if last is not None else f"not there within {_THERE_S:g} s"
@@ -159,16 +164,6 @@ async def _heard(speaker: Speaker, args: Mapping[str, Json]) -> int:
     finally:
         await driver.close()
     return 0
-
-
-def _print(sent: Mapping[str, Json], took_s: float) -> None:
-    """How long it took, and from where the sound came."""
-    parts = [f"{took_s:.2f} s in all"]
-    if isinstance(delay := sent.get("delay"), int | float):
-        parts.append(f"{delay:.2f} s until the sound was ready")
-    if isinstance(source := sent.get("source"), str):
-        parts.append(f"from: {source}")
-    print(", ".join(parts))
 
 
 def _failed(speaker: Speaker, what: str, remedy: str) -> int:

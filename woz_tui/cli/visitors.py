@@ -122,7 +122,14 @@ def _list(store: VisitorStore, arguments: Namespace) -> int:
         kept: list[Json] = [*faces]
         _print(arguments, {"file": str(store.path), "visitors": visitors, "faces": kept}, "")
     elif everybody:
-        TextConsole(page=_PAGE).print(_table(everybody))
+        table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+        table.add_column("name", overflow="fold", style="bold")
+        for fact, _ in _facts(everybody[0]):
+            number = fact == "meetings"
+            table.add_column(fact, overflow="fold", justify="right" if number else "left")
+        for visitor in everybody:
+            table.add_row(Text(visitor.name), *(Text(value) for _, value in _facts(visitor)))
+        TextConsole(page=_PAGE).print(table)
     else:
         missing = "" if store.path.exists() else " (the file does not exist yet)"
         print(f"{store.path}: nobody{missing}")
@@ -215,16 +222,14 @@ def _confirmed(visitors: list[Visitor], faces: list[str]) -> bool:
             "standard input is not a terminal, so this cannot be confirmed", "use --yes to confirm"
         )
     for visitor in visitors:
-        print(f"{visitor.name}: {_meetings(visitor)}", file=sys.stderr)
+        times = {0: "not met yet", 1: "met once"}
+        met = times.get(visitor.meetings, f"met {visitor.meetings} times")
+        last = f", last on {visitor.last_met}" if visitor.last_met else ""
+        print(f"{visitor.name}: {met}{last}", file=sys.stderr)
     for face in faces:
         print(f"{face}: a face that is recognised", file=sys.stderr)
     print("Delete for ever? [y/N] ", end="", file=sys.stderr, flush=True)
     return sys.stdin.readline().strip().casefold() in ("y", "yes")
-
-
-def _meetings(visitor: Visitor) -> str:
-    count = {0: "not met yet", 1: "met once"}.get(visitor.meetings, f"met {visitor.meetings} times")
-    return f"{count}, last on {visitor.last_met}" if visitor.last_met else count
 
 
 def _print_visitor(visitor: Visitor, arguments: Namespace) -> None:
@@ -245,14 +250,3 @@ def _facts(visitor: Visitor) -> list[tuple[str, str]]:
         ("last met", visitor.last_met),
         ("face labels", ", ".join(visitor.labels)),
     ]
-
-
-def _table(visitors: list[Visitor]) -> Table:
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    table.add_column("name", overflow="fold", style="bold")
-    for fact, _ in _facts(visitors[0]):
-        number = fact == "meetings"
-        table.add_column(fact, overflow="fold", justify="right" if number else "left")
-    for visitor in visitors:
-        table.add_row(Text(visitor.name), *(Text(value) for _, value in _facts(visitor)))
-    return table

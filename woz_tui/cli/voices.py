@@ -61,12 +61,8 @@ def _why_none(arguments: Namespace, asked: list[Speaker], languages: set[str]) -
         return f"no voice speaks {arguments.language!r}; there are: {there}"
     if not asked:
         return f"no driver of {arguments.experiment} speaks"
-    silent = [one.name for one in asked if not _lists_voices(one.kind)]
+    none = getattr(Driver.voices, "__func__", None)  # a driver without a list of its own has this
+    silent = [one.name for one in asked if getattr(one.kind.voices, "__func__", None) is none]
     if len(silent) == len(asked):
         return f"{' and '.join(silent)}: this robot does not list its voices"
     return "no voices found: sudo apt install espeak-ng"
-
-
-def _lists_voices(kind: type[Driver]) -> bool:
-    """Whether the driver has a list of its own."""
-    return getattr(kind.voices, "__func__", None) is not getattr(Driver.voices, "__func__", None)

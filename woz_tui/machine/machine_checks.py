@@ -23,7 +23,7 @@ from pathlib import Path
 from woz_tui.drivers.contract import Finding
 from woz_tui.machine.program_output import output_of
 
-Check = Callable[[], list[Finding]]
+Check = Callable[[], list[Finding] | Finding]
 
 
 def bounded(subject: str, check: Check, seconds: float = 5.0) -> list[Finding]:
@@ -37,7 +37,8 @@ def bounded(subject: str, check: Check, seconds: float = 5.0) -> list[Finding]:
 
     def run() -> None:
         try:
-            found.extend(check())
+            result = check()
+            found.extend([result] if isinstance(result, Finding) else result)
         except BaseException as error:  # noqa: BLE001 - told as a finding
             failed.append(error)
 

@@ -116,13 +116,10 @@ class ModelRerun:
             self.unreadable.append(str(error))
             return None
         if self.follower is None:
-            self._begin(self.settings)
+            # As live: a model that begins in mid-session is told what holds.
+            self.follower = EngagementFollower(self.settings)
+            self.follower.catch_up(self._state.messages())
         return msgspec.structs.replace(adopted, settings=settings_to_json(self.settings))
-
-    def _begin(self, settings: EngagementSettings) -> None:
-        """As live: a model that begins in mid-session is told what holds."""
-        self.follower = EngagementFollower(settings)
-        self.follower.catch_up(self._state.messages())
 
 
 # When an engagement model was switched off, or was not there: time that belongs to no state.

@@ -7,14 +7,15 @@ episodes are clipped to trials. Time outside of trials is a part of its own.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import TypeVar
 
 from woz_tui.analysis import event_rows
 from woz_tui.analysis.cue_responses import WAITING, WINDOW_US, cues_of
 from woz_tui.analysis.durations import Durations
-from woz_tui.analysis.event_rows import CueRow, PanelRow, TrialRow, WizardAct, acts_of, of_robot
+from woz_tui.analysis.event_rows import PanelRow, TrialRow, WizardAct, acts_of, of_robot
 from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.figure_sums import PartSums, Tally, part_figures, sum_tallies
 from woz_tui.analysis.figures import (
@@ -103,6 +104,10 @@ def figures_of(
     parts = _parts(timeline, tallies, trials, people, options)
     conditions = tuple(_unique(tally.condition for tally in tallies))
     plan = event_rows.first_plan(timeline)
+    software = start.software
+    program = " ".join(filter(None, [software.get("name"), software.get("version")]))
+    wall = str(start.clock.get("wall_at_t0", "")) or start.ts
+    listed = [cue if counted(context) else replace(cue, counted=False) for context, cue in cues]
     return SessionFigures(
         path=path,
         stem=stem,
@@ -112,21 +117,21 @@ def figures_of(
         condition=", ".join(conditions),
         conditions=conditions,
         wizard=start.wizard,
-        software=_software(start.software),
+        software=with_commit(program, software),
         schema=start.schema,
         experiment=start.experiment,
         experiment_sha256=start.experiment_sha256,
         file_sha256=start.file_sha256,
         robot=start.robot,
         title=plan.title if plan else "",
-        started=_started(start),
+        started=wall if wall_time(wall) is not None else "",
         duration_us=timeline.end - timeline.begin,
         ended=(ended.reason or "ended") if ended else "",
         window_us=options.window_us,
         all_trials=options.all_trials,
         whole=whole,
         parts=tuple(parts),
-        cues=tuple(_listed(cues, counted)),
+        cues=tuple(sorted(listed, key=attrgetter("t"))),
         visits=tuple(event_rows.visits(timeline)),
         stays=tuple(event_rows.stays(timeline, counted)),
         trials=trials,
@@ -134,7 +139,10 @@ def figures_of(
         breaks=tuple(event_rows.breaks(timeline)),
         stops=tuple(event_rows.stops(timeline)),
         marks=tuple(event_rows.marks(timeline)),
-        panels=tuple(_panels(plan)),
+        panels=tuple(
+            PanelRow(panel.title, tuple(each.name for each in panel.actions), panel.locked)
+            for panel in (plan.panels if plan else ())
+        ),
         features=features,
         consoles=tuple(event_rows.consoles(timeline)),
         lost_drivers=tuple(event_rows.lost_drivers(timeline)),
@@ -151,18 +159,6 @@ def figures_of(
         redacted=start.redacted,
         wholeness=LogIntegrity(ended=ended is not None),
     )
-
-
-def _software(told: Mapping[str, str]) -> str:
-    """Name, version and the first digits of the commit, as far as the log tells."""
-    name = " ".join(filter(None, [told.get("name"), told.get("version")]))
-    return with_commit(name, told)
-
-
-def _started(start: m.SessionStart) -> str:
-    """The wall clock at 0; empty if the log does not say or dates were taken out."""
-    wall = str(start.clock.get("wall_at_t0", "")) or start.ts
-    return wall if wall_time(wall) is not None else ""
 
 
 class _Counting:
@@ -201,7 +197,11 @@ class _Counting:
     def count(self, acts: Sequence[WizardAct]) -> None:
         """Count everything but cues."""
         self._acts(acts)
-        self._actions()
+        for action in self._timeline.of(e.ActionEpisode):
+            tally, request, outcome = self.at(action.context), action.request, action.outcome
+            tally.counts[request.action, request.panel, request.source, outcome] += 1
+            if outcome == e.EpisodeOutcome.DONE:
+                tally.took.add(action.duration)
         self._commands()
         self._moments()
         self._lost_mistakes()
@@ -244,13 +244,6 @@ class _Counting:
             if before is not None and stretch == at:
                 tally.gaps.add(act.begin - before.begin)
             before, stretch = act, at
-
-    def _actions(self) -> None:
-        for action in self._timeline.of(e.ActionEpisode):
-            tally, request, outcome = self.at(action.context), action.request, action.outcome
-            tally.counts[request.action, request.panel, request.source, outcome] += 1
-            if outcome == e.EpisodeOutcome.DONE:
-                tally.took.add(action.duration)
 
     def _commands(self) -> None:
         for command in self._timeline.of(e.CommandEpisode):
@@ -414,19 +407,6 @@ def _parts(
             counted=participant in people,
             scope=scope if inside else OUTSIDE,
         )
-
-
-def _listed(
-    cues: Iterable[tuple[Context, CueRow]], counted: Callable[[Context], bool]
-) -> list[CueRow]:
-    """All cues by time, each with whether it counts."""
-    found = [cue if counted(context) else replace(cue, counted=False) for context, cue in cues]
-    return sorted(found, key=lambda cue: cue.t)
-
-
-def _panels(plan: m.SessionPlan | None) -> Iterator[PanelRow]:
-    for panel in plan.panels if plan else ():
-        yield PanelRow(panel.title, tuple(each.name for each in panel.actions), panel.locked)
 
 
 def _unique(names: Iterable[str]) -> dict[str, None]:

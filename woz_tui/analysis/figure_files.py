@@ -15,7 +15,6 @@ from woz_tui.analysis.outcome_tables import caption, differences_sentence, headi
 from woz_tui.analysis.outcomes import Outcome
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.reaction_totals import REACTION_WORDS, REACTIONS, reactions_table
-from woz_tui.analysis.report_table import ReportTable
 from woz_tui.system.files import replace
 from woz_tui.system.text_cleaning import cell
 
@@ -51,7 +50,8 @@ def write_figures(folder: Path, grouped: GroupedSessions) -> None:
             ("participants", found.flow.table()),
         ):
             if table.rows:
-                replace(place / f"{name}.csv", _table(table), mode=0o600, durable=False)
+                text = _csv((table.heads, *table.rows))
+                replace(place / f"{name}.csv", text, mode=0o600, durable=False)
 
 
 def _files(outcome: Outcome, name: str) -> Iterator[tuple[str, str]]:
@@ -59,13 +59,8 @@ def _files(outcome: Outcome, name: str) -> Iterator[tuple[str, str]]:
     if (answers := distribution(outcome)) is not None:
         yield f"{name}-answers.svg", answers
     yield f"{name}.csv", _conditions(outcome)
-    yield f"{name}.txt", _words(outcome)
-
-
-def _words(outcome: Outcome) -> str:
-    """The caption, for below the picture."""
     sentences = (heading(outcome.name), caption(outcome), differences_sentence(outcome))
-    return "\n".join(filter(None, sentences)) + "\n"
+    yield f"{name}.txt", "\n".join(filter(None, sentences)) + "\n"
 
 
 def _conditions(outcome: Outcome) -> str:
@@ -96,10 +91,6 @@ def _interval(estimate: Estimate | None) -> Sequence[float | None]:
         *(estimate.n, estimate.mean),
         *(estimate.mean - estimate.half, estimate.mean + estimate.half),
     )
-
-
-def _table(table: ReportTable) -> str:
-    return _csv((table.heads, *table.rows))
 
 
 def _csv(rows: Iterable[Sequence[str | float | None]]) -> str:

@@ -88,7 +88,10 @@ class GroupedSessions:
             self.reruns.append(figures.session or figures.stem)
             return
         self._sessions[experiment] += 1
-        self._outcomes.setdefault(experiment, self._fresh(experiment)).add(figures)
+        if experiment not in self._outcomes:
+            said = [partial(each.outcomes, experiment) for each in self.gathered.values()]
+            self._outcomes[experiment] = StudyOutcomes(said=said)
+        self._outcomes[experiment].add(figures)
         own, joined = self._hashes.setdefault(experiment, (set(), set()))
         if figures.file_sha256:
             own.add(figures.file_sha256)
@@ -146,10 +149,6 @@ class GroupedSessions:
     def outcomes(self, experiment: str) -> StudyOutcomes:
         """What is compared between its conditions."""
         return self._outcomes.get(experiment) or StudyOutcomes()
-
-    def _fresh(self, experiment: str) -> StudyOutcomes:
-        said = [partial(each.outcomes, experiment) for each in self.gathered.values()]
-        return StudyOutcomes(said=said)
 
     def totals(self, experiment: str) -> list[ConditionTotal]:
         """By condition."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from woz_tui.analysis.durations import Durations
-from woz_tui.analysis.event_rows import CUE_RESULTS, SettingRow, TrialRow, value_text
+from woz_tui.analysis.event_rows import CUE_RESULTS, SettingRow, value_text
 from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, PartFigures, SessionFigures
 from woz_tui.analysis.measures import BY_NAME, OF_FEATURES, Measure, reactions, title_of
@@ -310,7 +310,9 @@ def trials(figures: SessionFigures) -> ReportTable:
     """Trials, in their order."""
     rows = [
         (
-            *(str(trial.trial), LogText(trial.condition), _outcome(trial)),
+            *(str(trial.trial), LogText(trial.condition)),
+            (trial.outcome or "no end in the log")
+            + (f", {PRACTICE}" if trial.left_out == PRACTICE else ""),
             *(LogText(trial.text), clock(trial.begin), duration(trial.duration)),
             str(trial.actions),
         )
@@ -318,11 +320,6 @@ def trials(figures: SessionFigures) -> ReportTable:
     ]
     heads = ("Trial", "Condition", "Outcome", "Remark", "Begin", "Length", "Actions")
     return ReportTable("Trials", heads, rows, words=4)
-
-
-def _outcome(trial: TrialRow) -> str:
-    practice = f", {PRACTICE}" if trial.left_out == PRACTICE else ""
-    return (trial.outcome or "no end in the log") + practice
 
 
 def phases(figures: SessionFigures) -> ReportTable:

@@ -177,8 +177,13 @@ class Comparison:
 
 def compare(a: PlayedSession, b: PlayedSession) -> Comparison:
     """Compare log B with log A."""
-    sides = _sides(a, b)
-    return _by_commands(*sides) if sides is not None else _by_names(a, b)
+    if b.original and b.original == a.name:
+        return _by_commands(_Side(a, again=False), _Side(b, again=True))
+    if a.original and a.original == b.name:
+        return _by_commands(_Side(a, again=True), _Side(b, again=False))
+    if _of_one_session(a, b):
+        return _by_commands(_Side(a, again=True), _Side(b, again=True))
+    return _by_names(a, b)
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,17 +214,6 @@ class _Side:
     def skipped(self) -> dict[str, str]:
         """Why commands of the original were left out, by their ids there."""
         return self.log.skipped if self.again else {}
-
-
-def _sides(a: PlayedSession, b: PlayedSession) -> tuple[_Side, _Side] | None:
-    """The roles of two logs to each other; None: neither comes from the other."""
-    if b.original and b.original == a.name:
-        return _Side(a, again=False), _Side(b, again=True)
-    if a.original and a.original == b.name:
-        return _Side(a, again=True), _Side(b, again=False)
-    if _of_one_session(a, b):
-        return _Side(a, again=True), _Side(b, again=True)
-    return None
 
 
 def _of_one_session(a: PlayedSession, b: PlayedSession) -> bool:

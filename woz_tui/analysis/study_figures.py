@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from woz_tui.analysis.durations import Durations
-from woz_tui.analysis.event_rows import RestrictionRow
 from woz_tui.analysis.experiment_names import ExperimentNames, file_of
 from woz_tui.analysis.feature_figures import ApartSession
 from woz_tui.analysis.figure_sums import ALL_CUES
@@ -171,8 +170,11 @@ class StudyFacts:
         self.stops += len(stops)
         self.stopped_sessions += bool(stops)
         self.unreached.update(name for stop in stops for name in stop.unreached)
-        for view in {_hidden(each) for each in figures.restrictions} - {((), ())}:
-            self.views[view] += 1
+        views = {
+            (tuple(sorted(each.hidden)), tuple(sorted(each.blurred)))
+            for each in figures.restrictions
+        }
+        self.views.update(views - {((), ())})
 
     def _data(self, figures: SessionFigures) -> None:
         integrity = figures.wholeness
@@ -189,10 +191,6 @@ class StudyFacts:
     def acts(self) -> int:
         """Wizard actions: prepared and improvised ones."""
         return self.by_hand + self.direct
-
-
-def _hidden(restriction: RestrictionRow) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    return tuple(sorted(restriction.hidden)), tuple(sorted(restriction.blurred))
 
 
 @dataclass(slots=True)

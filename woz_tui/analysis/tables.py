@@ -84,15 +84,15 @@ def _value(value: Json) -> Cell:
     return value if isinstance(value, int | float) else value_text(value)
 
 
-def _mistake(event: Any) -> bool | None:
+def _mistake(_: SessionFigures, event: Any) -> Cell:
     own = event.kind == "action" or (event.kind == "command" and not event.run)
-    return event.mistake if own else None
+    return bool(event.mistake) if own else None
 
 
-def _json(value: Mapping[str, object]) -> Cell:
-    if not value:
+def _details(_: SessionFigures, event: Any) -> Cell:
+    if not event.details:
         return None
-    plain = msgspec.json.decode(msgspec.json.encode(value))
+    plain = msgspec.json.decode(msgspec.json.encode(event.details))
     return json.dumps(plain, ensure_ascii=False, allow_nan=False)
 
 
@@ -346,7 +346,7 @@ EVENTS: TableDefinition[Any] = TableDefinition(
             "mistake",
             "boolean",
             "of actions, and of commands that belong to none: the wizard labelled it a mistake",
-            lambda _, event: _mistake(event),
+            _mistake,
         ),
         Column(
             *("edited", "boolean"),
@@ -368,7 +368,7 @@ EVENTS: TableDefinition[Any] = TableDefinition(
         _text("command", "id of the command"),
         Column(
             *("details", "string", "what else the log says, a JSON object"),
-            lambda _, event: _json(event.details),
+            _details,
         ),
         _COUNTED,
         _SEQ,

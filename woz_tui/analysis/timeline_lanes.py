@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 from typing import Any
 
 from woz_tui.analysis.event_rows import PREFLIGHT, is_direct, moments, of_robot, value_text
@@ -125,7 +126,11 @@ def drawing_of(timeline: Timeline, curves: SensorCurves | None = None) -> Timeli
         key=lambda key: (LANES.index(key[0]), panels.get(key[1], len(panels))),
     )
     lanes = (
-        TimelineLane(key[1], key[0], _in_time(intervals.get(key, ())), tuple(instants.get(key, ())))
+        TimelineLane(
+            *(key[1], key[0]),
+            tuple(sorted(intervals.get(key, ()), key=attrgetter("begin", "end"))),
+            tuple(instants.get(key, ())),
+        )
         for key in keys
     )
     end = timeline.end if curves is None else max(timeline.end, curves.t)
@@ -136,10 +141,6 @@ def _panels(timeline: Timeline) -> dict[str, int]:
     """Panels, and at which place consoles showed each at first."""
     plans = (plan.panels for _, plan in moments(timeline, m.SessionPlan) if plan.panels)
     return {panel.title: at for at, panel in enumerate(next(plans, ()))}
-
-
-def _in_time(intervals: Iterable[Interval]) -> tuple[Interval, ...]:
-    return tuple(sorted(intervals, key=lambda each: (each.begin, each.end)))
 
 
 def _interval(each: e.Episode, label: str, sort: str, **more: Any) -> Interval:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.html.figure_definitions import wide
@@ -87,22 +87,21 @@ def _line(x: float, style: str) -> Markup:
 
 def transitions(table: Mapping[str, Mapping[str, int]]) -> Markup:
     """A table of how often each state (row) led to each other (column); darker is more often."""
-    states = _states(table)
+    states = [*dict.fromkeys([*table, *(each for row in table.values() for each in row)])]
     most = max((number for row in table.values() for number in row.values()), default=0)
     if not most:
         return tag("p", "No transitions.", class_="none")
     head = tag(
         "tr", tag("th", "from \\ to", scope="col"), [_head(state, "col") for state in states]
     )
-    body = [
-        tag(
-            "tr",
-            _head(state, "row"),
-            [_cell(table.get(state, {}).get(other, 0), most) for other in states],
-        )
-        for state in states
-        if table.get(state)
-    ]
+    body = []
+    for state in states:
+        if row := table.get(state):
+            cells = [_head(state, "row")]
+            for number in (row.get(other, 0) for other in states):
+                shade = -(-number * _SHADES // most)
+                cells.append(tag("td", str(number) if number else "", class_=f"heat-{shade}"))
+            body.append(tag("tr", cells))
     caption = tag("caption", "Transitions of the engagement model")
     return wide(
         tag("table", caption, tag("thead", head), tag("tbody", body), class_="heat"),
@@ -110,17 +109,5 @@ def transitions(table: Mapping[str, Mapping[str, int]]) -> Markup:
     )
 
 
-def _states(table: Mapping[str, Mapping[str, int]]) -> Sequence[str]:
-    found = dict.fromkeys(table)
-    for row in table.values():
-        found.update(dict.fromkeys(row))
-    return list(found)
-
-
 def _head(text: str, scope: str) -> Markup:
     return tag("th", isolated(text), scope=scope)
-
-
-def _cell(number: int, most: int) -> Markup:
-    shade = -(-number * _SHADES // most)
-    return tag("td", str(number) if number else "", class_=f"heat-{shade}")

@@ -52,7 +52,7 @@ def page(title: str, *body: Child) -> Iterator[str]:
 @cache
 def _frame() -> str:
     """What all pages have around their title and their body."""
-    script, style = _script(), _style()
+    script, style = _script(), _asset("page.css")
     return Template(_asset("page.html")).substitute(
         policy=_policy(script, style),
         title=_TITLE,
@@ -83,10 +83,6 @@ def _script() -> str:
     names = sorted(entry.name for entry in _ASSETS.iterdir() if entry.name.endswith(".js"))
     parts = [_asset(name) for name in names]
     return "\n".join(['(() => {\n"use strict";', *parts, "})();"])
-
-
-def _style() -> str:
-    return _asset("page.css")
 
 
 def _asset(name: str) -> str:

@@ -35,6 +35,8 @@ class ReplayFeed:
         clock: The viewer's time.
     """
 
+    _on_messages: Callable[[list[Incoming]], None]
+
     def __init__(self, player: ReplayPlayer, clock: Clock | None = None) -> None:
         self.line_ok = True
         self.stale_after_s = STALE_S
@@ -45,7 +47,6 @@ class ReplayFeed:
         self._news = threading.Condition()
         self._closed = False
         self._ref = 0
-        self._on_messages: Callable[[list[Incoming]], None] = lambda batch: None
 
     def start(
         self,

@@ -149,7 +149,13 @@ def plan_of(path: Path) -> RerunPlan:
     presses = [
         press.t for press in messages if isinstance(press, m.StopPressed) and press.scope == "all"
     ]
-    steps = [*_steps(timeline, presses, times[-1] if times else 0)]
+    commands = timeline.of(CommandEpisode)
+    steps = [*_lost(timeline, {command.request.command for command in commands})]
+    for command in commands:
+        step = _step(command)
+        if command.ended is None and not step.skip:
+            step = _left_open(step, presses, times[-1] if times else 0)
+        steps.append(step)
     return RerunPlan(
         name=files_of(path).stem,
         origin=origin_of(messages),
@@ -166,14 +172,6 @@ def plan_of(path: Path) -> RerunPlan:
         ended=timeline.state.end is not None,
         damage=tuple(damage.sentences()),
     )
-
-
-def _steps(timeline: Timeline, presses: Sequence[int], last: int) -> Iterator[RerunStep]:
-    commands = timeline.of(CommandEpisode)
-    for command in commands:
-        step = _step(command)
-        yield step if command.ended is not None or step.skip else _left_open(step, presses, last)
-    yield from _lost(timeline, {command.request.command for command in commands})
 
 
 def _left_open(step: RerunStep, presses: Sequence[int], last: int) -> RerunStep:
@@ -261,15 +259,15 @@ def fitted(plan: RerunPlan, experiment: Experiment) -> RerunPlan:
 
 def redacted_plan(plan: RerunPlan, redactor: Redactor) -> RerunPlan:
     """The plan as the wizard may see it."""
-    return replace(plan, steps=tuple(_visible_step(step, redactor) for step in plan.steps))
-
-
-def _visible_step(step: RerunStep, redactor: Redactor) -> RerunStep:
-    command = redactor.message(step.command)
-    if command is step.command or not isinstance(command, m.Command):
-        return step
-    why = "reason is hidden: it could reveal what this study hides from you" if step.skip else ""
-    return replace(step, command=command, skip=why)
+    steps = []
+    for step in plan.steps:
+        command = redactor.message(step.command)
+        if command is step.command or not isinstance(command, m.Command):
+            steps.append(step)
+            continue
+        why = "reason is hidden: it could reveal what this study hides from you"
+        steps.append(replace(step, command=command, skip=why if step.skip else ""))
+    return replace(plan, steps=tuple(steps))
 
 
 def unfit_steps(plan: RerunPlan) -> tuple[RerunStep, ...]:

@@ -52,7 +52,7 @@ class RerunPlayer:
         hub: Hub,
         send: Send,
         cut: Cut,
-        ended: Callable[[m.RerunEnded], object] = lambda end: None,
+        ended: Callable[[m.RerunEnded], object] | None = None,
         *,
         lead_us: int = LEAD_US,
         stale_us: int = STALE_US,
@@ -118,7 +118,8 @@ class RerunPlayer:
                 late_max_us=max(self._lates, default=0),
             )
         )
-        self._ended(self.over)
+        if self._ended is not None:
+            self._ended(self.over)
 
     def _on_stop(self, message: m.StopPressed) -> None:
         if message.scope == "all":

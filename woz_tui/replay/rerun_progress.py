@@ -33,11 +33,7 @@ class RerunLines:
     def lines(self, message: object) -> Iterator[str]:
         """Lines for `message`; usually one or none."""
         if isinstance(message, m.Message):
-            visible = self.redactor.message(message)
-            if visible is not None:
-                yield from self._lines(visible)
-
-    def _lines(self, message: m.Message) -> Iterator[str]:
+            message = self.redactor.message(message)
         match message:
             case m.RerunStarted():
                 self.began = message.t

@@ -36,7 +36,6 @@ class Agreement:
 
     @property
     def bins(self) -> int:
-        """The number of bins."""
         return sum(self.table.values())
 
     @property

@@ -56,7 +56,6 @@ class Durations:
 
     @property
     def values(self) -> Sequence[int]:
-        """All durations, sorted."""
         if not self._ordered:
             self._values = array("q", sorted(self._values))
             self._ordered = True
@@ -64,7 +63,6 @@ class Durations:
 
     @property
     def n(self) -> int:
-        """The number of durations."""
         return len(self._values)
 
     @property
@@ -79,7 +77,6 @@ class Durations:
 
     @property
     def most(self) -> int | None:
-        """The longest."""
         return self.values[-1] if self._values else None
 
     @property
@@ -89,7 +86,6 @@ class Durations:
 
     @property
     def mean(self) -> float | None:
-        """The mean."""
         return self.total / self.n if self.n else None
 
     @property

@@ -138,7 +138,6 @@ class Trials:
         return EngagementDelay(at, plain, filtered)
 
     def as_json(self) -> dict[str, m.Json]:
-        """All figures for programs."""
         steady: list[m.Json] = []
         for name in JUDGED:
             for seconds in LASTS:

@@ -63,7 +63,6 @@ class LastingRow(ContextRow):
 
     @property
     def duration(self) -> int:
-        """How long it lasted."""
         return self.end - self.begin
 
 

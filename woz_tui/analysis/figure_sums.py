@@ -78,7 +78,6 @@ class PartSums:
 
     @property
     def empty(self) -> bool:
-        """Whether nothing was counted."""
         return not any(getattr(self, name) for name in _SUMS)
 
     def add(self, other: PartSums) -> None:
@@ -114,7 +113,6 @@ class Tally(PartSums):
 
 
 def sum_tallies(tallies: Iterable[Tally]) -> PartSums:
-    """Adds up all tallies."""
     total = PartSums()
     for tally in tallies:
         total.add(tally)

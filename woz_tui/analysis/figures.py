@@ -95,7 +95,6 @@ class VerbTimes:
 
     @property
     def commands(self) -> int:
-        """The number of commands."""
         return sum(self.ends.values())
 
 
@@ -108,7 +107,6 @@ class Reactions:
 
     @property
     def cues(self) -> int:
-        """The number of cues."""
         return sum(self.results.values())
 
     @property

@@ -35,12 +35,10 @@ class Measure:
 
 
 def seconds(us: float | None) -> float | None:
-    """Microseconds in seconds."""
     return None if us is None else us / 1e6
 
 
 def milliseconds(us: float | None) -> float | None:
-    """Microseconds in milliseconds."""
     return None if us is None else us / 1e3
 
 

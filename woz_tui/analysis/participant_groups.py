@@ -76,7 +76,6 @@ class GroupedSessions:
     _sessions: Counter[str] = field(default_factory=Counter)
 
     def add(self, figures: SessionFigures) -> None:
-        """Add a session."""
         experiment = self._names.of_session(figures)
         if figures.wholeness.sentences:
             who = " ".join(filter(None, (figures.session, figures.participant))) or figures.stem

@@ -51,7 +51,6 @@ class ReactionTotals:
 
     @property
     def cues(self) -> int:
-        """The number of cues."""
         return self.results.total()
 
     @property

@@ -25,7 +25,6 @@ from woz_tui.system import session_sockets
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     add_session_choice(parser)
     parser.add_argument("--watch", action="store_true", help="watch only")
     parser.add_argument(

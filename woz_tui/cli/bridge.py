@@ -17,7 +17,6 @@ ERRORS = CommandErrors(StompError, ValueError, WozError)
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument(
         "--stomp", required=True, metavar="HOST[:PORT]", help="the message broker (STOMP 1.2)"
     )

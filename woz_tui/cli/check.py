@@ -47,7 +47,6 @@ _PAGE = 120
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("file", type=Path, help="experiment file, or a robot file")
     parser.add_argument(
         "--keys", action="store_true", help="the table of keys, as the wizard's terminal sends them"

@@ -24,7 +24,6 @@ NO_CODE = "(none)"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("log", type=Path, metavar="FILE", help="a session's log")
     parser.add_argument(
         "--coders", nargs=2, metavar="CODE", help="compare these two; without it all are listed"

@@ -24,7 +24,6 @@ ERRORS = CommandErrors(code=_TROUBLE)
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("a", type=Path, metavar="A", help="a session's log")
     parser.add_argument("b", type=Path, metavar="B", help="another log, or a re-run of the first")
     parser.add_argument("--json", action="store_true", help="everything as one JSON object")

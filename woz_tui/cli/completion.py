@@ -22,7 +22,6 @@ Once more after a newer version was installed."""
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.formatter_class = RawDescriptionHelpFormatter
     parser.epilog = _EXAMPLES
     parser.add_argument("shell", choices=SHELLS, metavar="SHELL", help=", ".join(SHELLS))

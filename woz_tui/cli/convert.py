@@ -36,7 +36,6 @@ ERRORS = CommandErrors(ConvertError, who="woz convert")
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("file", type=Path, help="config.yaml of WoZ4U")
     parser.add_argument(
         "-o", "--output", type=Path, help="the file to write (default: standard output)"

@@ -37,7 +37,6 @@ NAMES = {"ros": "turtlebot"}
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument(
         "--robot",
         default=DEFAULT,

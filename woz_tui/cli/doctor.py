@@ -53,7 +53,6 @@ class DoctorSection:
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument(
         "experiment",
         type=Path,

@@ -34,7 +34,6 @@ _PORT = DRIVERS_LISTEN.rpartition(":")[2]
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument(
         "--serve",
         type=Path,

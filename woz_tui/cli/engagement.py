@@ -67,7 +67,6 @@ ERRORS = CommandErrors(SamplesFileError, who="woz engagement")
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.description = _DESCRIPTION
     parser.formatter_class = RawDescriptionHelpFormatter
     parser.add_argument(

@@ -28,7 +28,6 @@ _PAGE = 80
 
 
 def show(recount: LogRerun, *, as_json: bool) -> None:
-    """Print the comparison."""
     pairs = paired(recount.recorded, recount.computed)
     if as_json:
         rows: list[Json] = [

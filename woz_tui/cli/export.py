@@ -19,7 +19,6 @@ ERRORS = CommandErrors(ExportError, who="woz export")
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument(
         "file", nargs="+", type=Path, metavar="FILE", help="a log, or a folder of logs"
     )

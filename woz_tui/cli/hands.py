@@ -41,7 +41,6 @@ _SSH = ("ssh", "-T", "-o", "ServerAliveInterval=5", "-o", "ServerAliveCountMax=2
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     add_session_choice(parser)
     parser.add_argument(
         "--to", default="", metavar="HOST", help="the session runs there; ssh is started"

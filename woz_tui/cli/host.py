@@ -24,7 +24,6 @@ RERUN_WAIT_S = 20.0
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("experiment", type=Path, help="experiment file")
     add_robot(parser)
     add_session(parser)

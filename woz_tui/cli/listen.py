@@ -12,7 +12,6 @@ from woz_tui.client.sound_receiver import SoundReceiver
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     add_sound(parser, "microphone")
     parser.add_argument(
         "--format",

@@ -28,7 +28,6 @@ INSTRUCTIONS = (
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     add_session_choice(parser, "session")
 
 

@@ -13,7 +13,6 @@ ERRORS = CommandErrors(who="woz methods")
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     add_sessions(parser)
     parser.add_argument("--markdown", action="store_true", help="with headings")
     parser.add_argument(

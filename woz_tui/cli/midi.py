@@ -32,7 +32,6 @@ _Lesson = Any
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     learn = commands.add_parser("learn", help="move each control once; then a map file is written")
     learn.add_argument(

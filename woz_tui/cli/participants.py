@@ -40,7 +40,6 @@ ERRORS = CommandErrors(WithdrawalError, WithdrawalRecordError, ValueError, who=_
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument(
         "folders",
         nargs="*",

@@ -49,7 +49,6 @@ SEQUENCE_S = 0.05
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("file", type=Path, help="move file; it is created if it does not exist")
     parser.add_argument("name", nargs="?", default="", help="the move (default: the file's name)")
     parser.add_argument(

@@ -46,7 +46,6 @@ _CLEAR = "\x1b[H\x1b[2J\x1b[3J"
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("file", type=Path, nargs="?", help="experiment, robot or move file")
     parser.add_argument("name", nargs="?", help="a move, a mode, idle, or an action of the file")
     parser.add_argument(

@@ -41,7 +41,6 @@ from woz_tui.replay.seek import ReplayError, seek_time
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument(
         "file", type=Path, metavar="FILE", help="a session's log, or a folder: its newest session"
     )

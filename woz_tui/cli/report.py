@@ -30,7 +30,6 @@ _WINDOW = 10.0
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's options."""
     add_sessions(parser)
     parser.add_argument(
         "--csv", type=Path, metavar="FOLDER", help="write the figures as tidy CSV files"
@@ -247,7 +246,6 @@ class JsonOutput:
         self._before = '{"sessions": ['
 
     def add(self, figures: SessionFigures) -> None:
-        """Print the next session."""
         from woz_tui.analysis import figures_json  # noqa: PLC0415
 
         print(self._before + json_text(figures_json.plain(figures), allow_nan=False), end="")

@@ -101,7 +101,6 @@ class ReportPage:
         self.console.print(text, style=style)
 
     def head(self, text: str) -> None:
-        """Print a heading."""
         self.say()
         self.say(text, style="bold")
 

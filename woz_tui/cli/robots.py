@@ -26,7 +26,6 @@ _PAGE = 80
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("type", nargs="?", default="", help="one of them, in detail")
     parser.add_argument("--json", action="store_true", help="for programs: one JSON object")
 

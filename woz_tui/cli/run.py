@@ -28,7 +28,6 @@ _CODES = ("session", "participant", "condition", "wizard", "seed")
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("experiment", type=Path, help="experiment file")
     add_robot(parser)
     add_session(parser)

@@ -27,7 +27,6 @@ class _CleanStream:
         return len(text)
 
     def writelines(self, lines: Any) -> None:
-        """Write each of `lines`."""
         for line in lines:
             self.write(line)
 

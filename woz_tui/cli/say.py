@@ -68,7 +68,6 @@ def add_speakers(parser: ArgumentParser) -> None:
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("text", help="what to say")
     add_speakers(parser)
     parser.add_argument("--on", default="", metavar="DRIVER", help="who says it (default: first)")

@@ -18,7 +18,6 @@ ERRORS = CommandErrors(who="woz schema")
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     kind = parser.add_mutually_exclusive_group()
     kind.add_argument("--robot", action="store_true", help="schema of robot files")
     kind.add_argument("--move", action="store_true", help="schema of move files")

@@ -12,7 +12,6 @@ from woz_tui.client.voice_sender import VoiceSender
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     add_sound(parser, "loudspeaker")
     parser.add_argument(
         "--rate",

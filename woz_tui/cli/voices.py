@@ -21,7 +21,6 @@ ERRORS = CommandErrors(ValueError, who="woz voices")
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     add_speakers(parser)
     parser.add_argument("--language", default="", help="only those of a language, such as de")
     parser.add_argument("--json", action="store_true", help="for programs: a JSON list")

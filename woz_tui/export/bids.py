@@ -357,7 +357,6 @@ def write_table(
 
 
 def write_json(folder: OutputFolder, name: str, content: Mapping[str, Any]) -> None:
-    """Writes a JSON file."""
     folder.write(name, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
 
 

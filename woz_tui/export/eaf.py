@@ -125,7 +125,6 @@ def _in_milliseconds(span: TierSpan, shift: int) -> TierSpan:
 def document(
     session: ExportSession, tiers: list[Tier], media: Iterable[Medium], notes: Iterable[str]
 ) -> ET.Element:
-    """Builds the document."""
     started = session.started
     root = ET.Element(
         "ANNOTATION_DOCUMENT",

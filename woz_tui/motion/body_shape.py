@@ -39,8 +39,6 @@ _DEGREES = Range(-3600, 3600, "deg")
 
 
 class Ranged(Protocol):
-    """A joint's range."""
-
     @property
     def min(self) -> float: ...
 

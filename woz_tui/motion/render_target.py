@@ -118,7 +118,6 @@ class RenderTarget:
 
     @property
     def body(self) -> str:
-        """The driver's name."""
         return self.spec.name
 
     @property

@@ -56,7 +56,6 @@ class FrontPort:
         self._looking = loop.create_task(self._look())
 
     def close(self) -> None:
-        """End all connections."""
         if self._server is not None:
             self._server.close()
         if self._looking is not None:

@@ -197,7 +197,6 @@ class AccessServer:
         return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
 
     async def close(self) -> None:
-        """End all connections."""
         if self._watching is not None:
             self._watching.cancel()
         if self._runner is not None:

@@ -43,7 +43,6 @@ def engagement_lines(experiment: Experiment, engagement: Engagement) -> Iterator
 
 
 def engagement_json(experiment: Experiment, engagement: Engagement) -> Json:
-    """The same for programs."""
     settings = engagement.settings
     shown = Model(settings).shown().signs
     signs: dict[str, Json] = {

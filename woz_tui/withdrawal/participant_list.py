@@ -46,7 +46,6 @@ class ParticipantList:
         )
 
     def as_json(self) -> dict[str, Json]:
-        """The same for programs."""
         return {
             "participants": [
                 {"participant": code, "sessions": self.sessions[code], "files": self.files[code]}

@@ -26,7 +26,6 @@ class Kept:
     until: date
 
     def as_json(self) -> Json:
-        """The same for programs."""
         return {
             "path": str(self.path),
             "what": self.what,

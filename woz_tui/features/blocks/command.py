@@ -45,7 +45,6 @@ _STEPS_S = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 300.0, 3600.0)
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("files", nargs="*", type=Path, metavar="FILE", help="a block of BML each")
     add_session_choice(parser, "--session")
     parser.add_argument(

@@ -18,7 +18,6 @@ ERRORS = CommandErrors(ExportError, BundleError, WithdrawalRecordError, who=_WHO
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument(
         "file", nargs="+", type=Path, metavar="FILE", help="a log, or a folder of logs"
     )

@@ -19,7 +19,6 @@ ERRORS = CommandErrors(LslMissingError, WozError)
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     add_session_choice(parser, "session")
 
 

@@ -21,7 +21,6 @@ ERRORS = CommandErrors(RecordError, RenderError, MoveFileError, who="woz edit-mo
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("file", type=Path, help="move file; it is made if it does not exist")
     parser.add_argument(
         "--robot", type=Path, required=True, help="robot or experiment file with the body"

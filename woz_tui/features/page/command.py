@@ -44,7 +44,6 @@ ERRORS = CommandErrors(PageError, MissingQrError)
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     add_session_choice(parser, "session")
     parser.add_argument(
         "--at",

@@ -28,7 +28,6 @@ ERRORS = CommandErrors(KeyFileError, WozError)
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     add_session_choice(parser, "session")
     parser.add_argument(
         "--key-file", type=Path, help=f"a file (mode 600) with the server's key; else ${KEY}"

@@ -41,7 +41,6 @@ _NEXT = "next"
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("file", type=Path, help="experiment file")
     parser.add_argument(
         "--participants",

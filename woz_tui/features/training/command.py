@@ -26,7 +26,6 @@ FOLDER = Path("recordings/training")
 
 
 def add(parser: ArgumentParser) -> None:
-    """Declare the command's options."""
     parser.add_argument("experiment", type=Path, nargs="?", help="experiment file")
     parser.add_argument(
         "--wizard", default="", help="code of the wizard, for the scores (default: as given last)"

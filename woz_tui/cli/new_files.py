@@ -62,6 +62,7 @@ class FeatureFiles(ABC):
             near = hint(name, names) or f"; there are {listed(names)}"
             return 1, f"there is no {self.what} {name!r}{near}"
         path = Path(found.path.name if to is None else to)
+        path.parent.mkdir(parents=True, exist_ok=True)
         try:
             with path.open("x", encoding="utf-8") as file:
                 file.write(found.path.read_text(encoding="utf-8"))

@@ -34,6 +34,8 @@ def test_a_copy_says_how_it_is_named_in_the_experiment(
     assert "Cite: Hart" in said
     assert cli.main(["new", "--questionnaire", "tlx", "load.yaml"]) == 0
     assert "{file: load.yaml," in capsys.readouterr().out
+    assert cli.main(["new", "--questionnaire", "tlx", "lab/asked/load.yaml"]) == 0
+    assert Path("lab/asked/load.yaml").exists(), "the folder is made, as for an experiment"
 
 
 def test_a_template_says_that_its_wording_is_missing(

@@ -246,6 +246,7 @@ class QuestionnaireWords(msgspec.Struct, frozen=True, omit_defaults=True):
     keys_choice: str = "a digit or letter, or {up} {down} and enter"
     keys_several: str = "space or its key chooses · enter: next"
     keys_slider: str = "{left} {right} or a number, then enter · {up} back"
+    keys_points: str = "{left} {right} and enter · {up} back"
     keys_month: str = "year and month, then enter · {up} back"
     keys_page: str = "enter: next · {up} back"
     keys_other: str = "Enter: next · {up} in the first line: back"

@@ -170,3 +170,16 @@ async def test_an_instruction_is_read_and_not_counted() -> None:
         assert "1 of 1" in pilot.drawn()
         await press(pilot, "up")
         assert "Think of the last task." in pilot.drawn()
+
+
+async def test_no_number_is_told_of_a_scale_without_numbers() -> None:
+    async with piloted_console(study_scene.welcome()) as pilot:
+        await begin(pilot, "natural", numbers=False, flipped=False)
+        assert "and enter · " in pilot.drawn()
+        await press(pilot, "enter")
+        assert "Please choose one of these." in pilot.drawn()
+        await press(pilot, "9")
+        drawn = pilot.drawn()
+        assert "Please choose one of these." in drawn
+        assert "1 to 7" not in drawn
+        assert "from 1" not in drawn

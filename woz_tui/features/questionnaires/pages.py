@@ -323,6 +323,7 @@ def _keys(run: QuestionnaireRun, glyphs: Glyphs) -> str:
     if item is None:
         return words.keys_stop
     keys = words.keys_scale if item.digits else words.keys_scale_enter
+    keys = keys if item.numbers else words.keys_points
     keys = {
         "text": words.keys_text,
         "slider": words.keys_slider,

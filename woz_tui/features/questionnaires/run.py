@@ -402,7 +402,7 @@ class QuestionnaireRun:
             self._set_typed(item, typed[:_LONGEST_NUMBER])
         elif not any(str(each).startswith(typed) for each in range(item.low, item.high + 1)):
             self._set_typed(item, "")
-            self.complaint = self.words.number.format(low=item.low, high=item.high)
+            self.complaint = self._wanted(item)
         elif item.digits and item.asks == "scale":
             self._set_answer(item, ItemAnswer(int(typed)))
             self._settle(digit)
@@ -434,8 +434,14 @@ class QuestionnaireRun:
             above = near + item.step
             self.complaint = words.step.format(step=item.step, below=near, above=above)
         else:
-            wanted = words.number_or_skip if item.optional else words.number
-            self.complaint = wanted.format(low=item.low, high=item.high)
+            self.complaint = self._wanted(item)
+
+    def _wanted(self, item: QuestionnaireItem) -> str:
+        """What is to be answered; where no numbers are shown, none is told."""
+        if item.asks == "scale" and not item.numbers:
+            return self.words.choose
+        wanted = self.words.number_or_skip if item.optional else self.words.number
+        return wanted.format(low=item.low, high=item.high)
 
     def _between_steps(self, item: QuestionnaireItem) -> int | None:
         """The step below a number that was typed between two of them."""

@@ -172,6 +172,12 @@ async def test_an_instruction_is_read_and_not_counted() -> None:
         assert "Think of the last task." in pilot.drawn()
 
 
+async def test_how_many_questions_there_are_is_told_where_answers_decide_it() -> None:
+    async with piloted_console(study_scene.welcome()) as pilot:
+        await asking(pilot, only("known", "which", "age"))
+        assert "2-3 questions." in pilot.drawn()
+
+
 async def test_no_number_is_told_of_a_scale_without_numbers() -> None:
     async with piloted_console(study_scene.welcome()) as pilot:
         await begin(pilot, "natural", numbers=False, flipped=False)

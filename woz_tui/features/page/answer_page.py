@@ -67,15 +67,13 @@ def _nothing_asked(seat: ParticipantSeat) -> str:
 
 
 def _introduction(seat: ParticipantSeat, asked: OpenQuestionnaire) -> str:
-    count = len(asked.questions)
     words, told = seat.words, asked.questionnaire.introduction.strip().split("\n")
-    many = words.questions_one if count == 1 else words.questions.format(count=count)
     return _page(
         seat,
         asked.questionnaire.heading,
         tag("h1", isolated(asked.questionnaire.heading)),
         (tag("p", isolated(line)) for line in told),
-        tag("p", many, class_="muted"),
+        tag("p", asked.count_told(words), class_="muted"),
         _form(seat, tag("div", _button("begin", words.begin), class_="buttons")),
         _stop(seat),
     )

@@ -9,7 +9,7 @@ import msgspec
 
 from woz_tui.features.questionnaires.items import ItemAnswer, asked_items
 from woz_tui.features.questionnaires.kinds import AskAnswer, QuestionnaireAnswered
-from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
+from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem, QuestionnaireWords
 
 
 @dataclass(slots=True)
@@ -49,6 +49,14 @@ class OpenQuestionnaire:
     def questions(self) -> list[QuestionnaireItem]:
         """Those of them that want an answer."""
         return [item for item in self.shown if item.asks != "page"]
+
+    def count_told(self, words: QuestionnaireWords) -> str:
+        """How many questions there will be: `3-5 questions.`, where answers decide on some."""
+        least = len(self.questions)
+        open_still = [item for item in self.items if item.asks != "page"]
+        if least == len(open_still):
+            return words.questions_one if least == 1 else words.questions.format(count=least)
+        return words.questions.format(count=f"{least}-{len(open_still)}")
 
     @property
     def answered(self) -> int:

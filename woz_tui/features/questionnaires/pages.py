@@ -95,10 +95,7 @@ def _head(run: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
 def _introduction(run: QuestionnaireRun, frame: PaintFrame) -> list[Row]:
     told = run.asked.questionnaire.introduction
     rows: list[Row] = [((line, "plain"),) for line in _wrapped(told, frame.width)]
-    count = len(run.asked.questions)
-    words = run.words
-    many = words.questions_one if count == 1 else words.questions.format(count=count)
-    return [*rows, (), ((many, "muted"),)]
+    return [*rows, (), ((run.asked.count_told(run.words), "muted"),)]
 
 
 def _wrapped(text: str, width: int) -> list[str]:

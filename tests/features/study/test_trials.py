@@ -608,3 +608,19 @@ def test_where_a_session_stands_in_words() -> None:
     assert trial_status(study().session.study, NOW) == "no trial yet, 4 planned"
     aborted = study(study_scene.trial(2), trial_ended(2, "aborted"))
     assert trial_status(aborted.session.study, NOW) == "trial 2 of 4 is over: aborted"
+
+
+async def test_an_open_dialog_follows_what_the_participant_does() -> None:
+    """At their own terminal they finish while it is open: nothing can be gone on with then."""
+    begun = study_scene.questionnaire_started(study_scene.QUICK)
+    async with piloted_console(study_scene.welcome(study_scene.trial(), begun)) as pilot:
+        await pilot.press("asterisk")
+        assert "go on with: This visit" in pilot.drawn()
+        await pilot.tell(study_scene.questionnaire_ended("quick"))
+        drawn = pilot.drawn()
+        assert "go on with" not in drawn
+        assert "done: this trial is over" in drawn
+        await pilot.press("enter")
+        asked = pilot.feed.last(AskTrial)
+        assert isinstance(asked, AskTrial)
+        assert asked.what == "done"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pkgutil import resolve_name
 
 from textual import events
+from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
 
@@ -48,14 +49,14 @@ class TrialDialog(Dialog):
         """Where the session stands, what can be done, a field for a word."""
         self._steps = trial_steps(self.state)
         yield Static(content(self.lines()), id="stands")
-        lines = [
-            content([((f" {step.key} ", "key"), (f"  {step.text}", "plain"))])
-            for step in self._steps
-        ]
-        yield OptionList(*lines, id="choices")
+        yield OptionList(*map(self._line, self._steps), id="choices")
         field = Input(placeholder="reason (optional)", id="why")
         field.display = False
         yield field
+
+    @staticmethod
+    def _line(step: TrialStep) -> Content:
+        return content([((f" {step.key} ", "key"), (f"  {step.text}", "plain"))])
 
     def lines(self) -> list[Row]:
         """Trial or break with its time, the order of the conditions."""
@@ -71,6 +72,16 @@ class TrialDialog(Dialog):
         return [*rows, ()]
 
     def refreshed(self) -> None:
+        """The time goes on, and what can be done changes with what others do."""
+        steps = trial_steps(self.state)
+        told = [(step.key, step.text) for step in steps]
+        if self._asking is None and told != [(step.key, step.text) for step in self._steps]:
+            for choices in self.query("#choices").results(OptionList):
+                choices.clear_options()
+                choices.add_options(map(self._line, steps))
+                choices.highlighted = 0
+            self._steps = steps
+            self.update("stands", content(self.lines()))
         stood = trial_status(self.state.session.study, self.now)
         if stood != self._stood:
             self._stood = stood

@@ -91,19 +91,25 @@ def spss_script(study: str, items: Sequence[Variable]) -> str:
     """Reads and labels the answers."""
     shown = [each for each in items if not each.withheld]
     keys = [("participant", "A16"), ("session", "A16"), ("condition", "A64"), ("round", "F4")]
-    variables = " ".join(
-        f"{name} {form}" for name, form in (*keys, *((each.name, "F8") for each in shown))
-    )
+    columns = [*keys, *((each.name, "F8.2" if each.is_score else "F8") for each in shown)]
+    variables = " ".join(f"{name} {form}" for name, form in columns)
     labels = []
     for each in shown:
         labels.append(f"VARIABLE LABELS {each.name} {_spss(each.label)}.")
         if each.labels:
             named = " ".join(f"{value} {_spss(label)}" for value, label in each.labels.items())
             labels.append(f"VALUE LABELS {each.name} {named}.")
-            labels.append(f"VARIABLE LEVEL {each.name} (ORDINAL).")
+        labels.append(f"VARIABLE LEVEL {each.name} ({_level(each)}).")
     return _SPSS.format(
         table=table_file(study, ANSWERS), variables=variables, labels="\n".join(labels)
     )
+
+
+def _level(each: Variable) -> str:
+    """Codes of choices have no order; points of a scale have one; what is counted has distances."""
+    if each.low is None:
+        return "SCALE" if each.is_score else "NOMINAL"
+    return "ORDINAL" if each.labels else "SCALE"
 
 
 def _quoted(text: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import itemgetter
 from pathlib import Path
 
 from tests.export.logs import Timed, speak, start, write
@@ -73,12 +74,12 @@ ANSWERS = {
 _SAY: dict[str, Json] = {"text": "Hello. The tour begins now."}
 
 
-def plan() -> m.SessionPlan:
+def plan(*asked: Questionnaire) -> m.SessionPlan:
     """What the console was shown."""
     study = StudySettings(
         design=DesignView("latin-square", True, 1),
         blind={"warm": "Lemon", "sober": "Orange"},
-        questionnaires=[UX, END],
+        questionnaires=[*asked] or [UX, END],
     )
     return m.SessionPlan(
         title="Warm or sober", panels=[], script=[], verbs={"robot": ["say"]}, variables=[],
@@ -117,8 +118,12 @@ def _asked(at: float, which: Questionnaire, values: list[int | str], trial: int)
     return [*course, (at + 2, ended)]
 
 
-def course_of(who: str, experiment: str = EXPERIMENT) -> list[Timed]:
-    """The session of one participant: both conditions, and words of people everywhere."""
+def course_of(
+    who: str, experiment: str = EXPERIMENT, ux: Questionnaire = UX, changed: Questionnaire = UX
+) -> list[Timed]:
+    """The session of one participant: both conditions, and words of people everywhere. `ux` is
+    asked after the first one, and what it was `changed` to after the second.
+    """
     order, pleasant, person = ANSWERS[who]
     course: list[Timed] = [
         (0, start(who, f"S{who[1:]}", condition="", experiment="study.yaml")),
@@ -132,7 +137,8 @@ def course_of(who: str, experiment: str = EXPERIMENT) -> list[Timed]:
                 },
             ),
         ),
-        (0.1, plan()),
+        (0.1, plan(ux, END)),
+        *([(100, plan(changed, END))] if changed != ux else []),
         (0.2, m.Note(text=f"{NAME} has come")),
     ]
     for place, condition in enumerate(order):
@@ -161,10 +167,9 @@ def course_of(who: str, experiment: str = EXPERIMENT) -> list[Timed]:
             (at + 6, m.Marker(text=f"{NAME}, smiling")),
             (at + 60, m.TrialEnded(trial=place + 1, outcome="done", text=f"{NAME} was happy")),
         ]
-        course += _asked(
-            at + 61, UX, [pleasant[condition], 5, f"{NAME} liked it", 2, INCOME], place + 1
-        )
-    return [*course, *_asked(300, END, [person], -1)]
+        answers: list[int | str] = [pleasant[condition], 5, f"{NAME} liked it", 2, INCOME]
+        course += _asked(at + 61, changed if place else ux, answers, place + 1)
+    return sorted([*course, *_asked(300, END, [person], -1)], key=itemgetter(0))
 
 
 def _us(seconds: float) -> int:

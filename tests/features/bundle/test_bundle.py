@@ -13,12 +13,23 @@ import sys
 from pathlib import Path
 
 import frictionless
+import msgspec
 import pytest
 
 from tests.export import secret_log
+from tests.export.logs import write
 from tests.export.test_bids import validated
 from tests.export.test_redaction import ASKED, NEVER, field_of, promised
-from tests.features.bundle.deposited import ANSWERS, EXPERIMENT, INCOME, NAME, bundled, recorded
+from tests.features.bundle.deposited import (
+    ANSWERS,
+    EXPERIMENT,
+    INCOME,
+    NAME,
+    UX,
+    bundled,
+    course_of,
+    recorded,
+)
 from woz_tui.config.about_file import About, AuthorEntry, missing_in
 from woz_tui.export.log_sources import ExportError
 from woz_tui.features.bundle.bundle import BundleError
@@ -327,3 +338,59 @@ def test_codes_are_drawn_by_chance() -> None:
     assert len(set(drawn.values())) == len(old)
     assert [*drawn.values()] != sorted(drawn.values())
     assert drawn != drawn_codes(old, random.Random(2))
+
+
+def test_versions_of_a_questionnaire_are_not_mixed(tmp_path: Path) -> None:
+    """Not of several sessions, nor of one in which the file was read again."""
+    pleasant, clear, *rest = UX.items
+    five = msgspec.structs.replace(pleasant, high=5, ends=("never", "always"))
+    changed = msgspec.structs.replace(UX, items=(five, clear, *rest))
+    for who, before, after in (("P01", UX, UX), ("P02", UX, changed), ("P03", changed, changed)):
+        stem = f"2026-03-01T10-00-{who[1:]}_{who}_S{who[1:]}"
+        write(tmp_path / "r", course_of(who, ux=before, changed=after), stem)
+    bundled(tmp_path / "r", tmp_path / "osf")
+    names = ("robot_ux_pleasant", "robot_ux_pleasant_2", "robot_ux_clear")
+    rows = table(tmp_path / "osf", "answers")
+    told = {(row["participant"], row["condition"]): [row[n] for n in names] for row in rows}
+    assert told == {
+        ("P01", ""): ["", "", ""], ("P02", ""): ["", "", ""], ("P03", ""): ["", "", ""],
+        ("P01", "warm"): ["6", "", "5"], ("P01", "sober"): ["3", "", "5"],
+        ("P02", "sober"): ["4", "", "5"], ("P02", "warm"): ["", "4", "5"],
+        ("P03", "warm"): ["", "7", "5"], ("P03", "sober"): ["", "2", "5"],
+    }  # fmt: skip
+    with (tmp_path / "osf" / "codebook.csv").open(encoding="utf-8", newline="") as file:
+        book = {row["variable"]: row for row in csv.DictReader(file) if row["table"] == "answers"}
+    assert [(book[each]["values"], book[each]["version"]) for each in names] == [
+        ("1 = not at all; 7 = very much", "1"),
+        ("1 = never; 5 = always", "2"),
+        ("1 = not at all; 7 = very much", ""),
+    ]
+    assert book[names[1]]["label"] == "I enjoyed being with this robot. (version 2 of 2)"
+
+
+def test_the_preregistration_is_of_the_file_not_of_a_session(tmp_path: Path) -> None:
+    """Whatever the last session was shown: the file says all conditions and what is asked."""
+    registered = tmp_path / "registered.yaml"
+    registered.write_text(
+        """\
+title: Three ways
+robot: simulated
+conditions: [warm, sober, silent]
+design: {order: latin-square, trials: 2}
+questionnaires: [{name: mood, title: Mood, when: condition, items: [How are you?]}]
+panels: [{title: P, actions: [{key: h, label: Hello, say: Hello.}]}]
+"""
+    )
+    bundled(recorded(tmp_path / "r"), tmp_path / "osf", registered=registered)
+    text = (tmp_path / "osf" / "documentation" / "preregistration.md").read_text()
+    assert "# Preregistration: Three ways" in text
+    assert "Conditions: warm, sober and silent." in text
+    assert "everybody gets all 3 conditions, 2 trials in each" in text
+    assert "`mood_how_are_you`, asked after each condition: How are you?" in text
+    assert "robot_ux" not in text
+
+
+def test_codes_of_choices_have_no_order(bundle: Path) -> None:
+    spss = (bundle / "analysis" / "read.sps").read_text()
+    assert "VARIABLE LEVEL robot_ux_robots (NOMINAL)." in spss
+    assert "VARIABLE LEVEL robot_ux_pleasant (ORDINAL)." in spss

@@ -34,6 +34,7 @@ from woz_tui.features.bundle import (
 from woz_tui.features.bundle.codebook import Variable, items_of
 from woz_tui.features.bundle.data_tables import DataTables, columns_of, variables_measured
 from woz_tui.features.bundle.participant_codes import SHORTEST, drawn_codes
+from woz_tui.features.bundle.registered_study import registered_study
 from woz_tui.features.bundle.session_copies import (
     PlayedFile,
     PublishedLine,
@@ -136,7 +137,8 @@ class _Bundle:
                 code for code in self._codes if len(code) >= SHORTEST and code not in public
             )
         )
-        self._items: list[Variable] = items_of(materials.questionnaires.values())
+        versions = materials.questionnaires.values()
+        self._items: list[Variable] = items_of(each for known in versions for each in known)
         title = materials.plan.title if materials.plan is not None else ""
         self._title = self._about.title or title or "Sessions with a wizard"
         self._study = re.sub(r"[^A-Za-z0-9]", "", self._title)[:40] or "woz"
@@ -256,9 +258,9 @@ class _Bundle:
         registered = self._registered()
         if registered is None:
             return
-        text = preregistration.preregistration(
-            registered, self._materials.plan, self._items, self._about
-        )
+        plan = self._materials.plans.get(registered.sha256, self._materials.plan)
+        study = registered_study(registered, self._options.registered, plan)
+        text = preregistration.preregistration(registered, study, self._about)
         self._write("documentation/preregistration.md", text)
         if preregistration.GAP in text:
             self._to_do.append(f"documentation/preregistration.md: fill in {preregistration.GAP}")

@@ -10,8 +10,8 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from woz_tui.features.questionnaires.codebook import Variable as AskedVariable
 from woz_tui.features.questionnaires.codebook import variables
@@ -26,7 +26,7 @@ ANSWERS = "answers"
 _LONGEST = 32
 HEADS = (
     *("table", "variable", "label", "question", "instrument", "item", "number", "type", "values"),
-    *("missing", "reversed", "unit", "asked"),
+    *("missing", "reversed", "unit", "asked", "version"),
 )
 _WHENS = {
     "start": "at the beginning",
@@ -41,7 +41,8 @@ _WHENS = {
 class Variable:
     """One variable. `low` and `high` are the ends of its scale, `labels` what its numbers mean;
     `shift` is added to them where they are shown. `withheld`: why it is in no table. `of`: the item
-    of which it is.
+    of which it is. `version`: from 1, if the experiment file gave it several meanings, each of
+    which is a variable; `meaning` tells them apart.
     """
 
     table: str
@@ -63,6 +64,8 @@ class Variable:
     withheld: str = ""
     is_score: bool = False
     of: AskedVariable | None = None
+    version: int = 0
+    meaning: Hashable = None
 
     @property
     def values(self) -> str:
@@ -76,38 +79,63 @@ class Variable:
 
 
 def items_of(questionnaires: Iterable[Questionnaire]) -> list[Variable]:
-    """A variable for each item, each choice of several, and each score."""
-    found: list[Variable] = []
-    names: set[str] = set()
+    """A variable for each item, each choice of several, and each score. Of a questionnaire that was
+    changed there are several versions, in the order in which they were played: what means the same
+    in them is one variable.
+    """
+    versions: dict[tuple[str, str], list[Variable]] = {}
     for asked in questionnaires:
-        found += [_item(each, _unique(each.name, names)) for each in variables(asked)]
-        for score in defined_scores(asked):
-            found.append(
-                Variable(
-                    *(ANSWERS, _unique(score.name, names), score.in_words, "number"),
-                    questionnaire=asked.name,
-                    item=score.score.name,
-                    asked=_WHENS.get(asked.when, asked.when),
-                    is_score=True,
-                )
-            )
+        for each in defined_in(asked):
+            known = versions.setdefault((each.questionnaire, each.name), [])
+            if each.meaning not in [one.meaning for one in known]:
+                known.append(each)
+    names: set[str] = set()
+    found: list[Variable] = []
+    for known in versions.values():
+        for number, each in enumerate(known, start=1):
+            named = replace(each, name=_unique(each.name, names))
+            if len(known) > 1:
+                label = f"{each.label} (version {number} of {len(known)})"
+                named = replace(named, label=label, version=number)
+            found.append(named)
     return found
 
 
-def _item(of: AskedVariable, name: str) -> Variable:
+def defined_in(asked: Questionnaire) -> Iterator[Variable]:
+    """The variables of one version of a questionnaire, by the names that the tables of exports
+    give them.
+    """
+    meanings: dict[str, Hashable] = {}
+    for each in variables(asked):
+        variable = _item(each)
+        meanings[each.item.name] = variable.meaning
+        yield variable
+    for score in defined_scores(asked):
+        yield Variable(
+            *(ANSWERS, score.name, score.in_words, "number"),
+            questionnaire=asked.name,
+            item=score.score.name,
+            asked=_WHENS.get(asked.when, asked.when),
+            is_score=True,
+            meaning=(score, *(meanings.get(name) for name in score.score.items)),
+        )
+
+
+def _item(of: AskedVariable) -> Variable:
     asked, item = of.questionnaire, of.item
     ranged = of.is_number and item.asks in NUMBERS
+    low, high = (item.low, item.high) if ranged else (None, None)
     return Variable(
         table=ANSWERS,
-        name=name,
+        name=of.name,
         label=of.question or item.name,
         type="integer" if of.is_number else "string",
         question=of.question,
         questionnaire=asked.name,
         item=item.name,
         number=[each.name for each in asked.items].index(item.name) + 1,
-        low=item.low if ranged else None,
-        high=item.high if ranged else None,
+        low=low,
+        high=high,
         labels=dict(of.labels),
         unit=item.unit,
         asked=_WHENS.get(asked.when, asked.when),
@@ -116,6 +144,7 @@ def _item(of: AskedVariable, name: str) -> Variable:
         shift=item.shift if ranged else 0,
         withheld=_why_withheld(of),
         of=of,
+        meaning=(of.question, item.asks, low, high, tuple(of.labels.items()), item.unit),
     )
 
 
@@ -155,7 +184,7 @@ def _row(each: Variable) -> Sequence[str | int | None]:
     return (
         *(each.table, each.name, each.label, each.question, each.questionnaire, each.item),
         *(each.number or None, each.type, each.values, _missing(each)),
-        *("yes" if each.reversed else "", each.unit, each.asked),
+        *("yes" if each.reversed else "", each.unit, each.asked, each.version or None),
     )
 
 

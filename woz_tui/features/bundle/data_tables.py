@@ -8,7 +8,7 @@ import csv
 import io
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TextIO
 
@@ -18,10 +18,11 @@ from woz_tui.analysis.tables import EVENTS, SAMPLES, Cell, rounded
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.log_sources import LogSource
 from woz_tui.export.output_folder import OutputFolder
-from woz_tui.features.bundle.codebook import ANSWERS, Variable
+from woz_tui.features.bundle.codebook import ANSWERS, Variable, defined_in
 from woz_tui.features.questionnaires.figures import AnswerRow, asked_in
 from woz_tui.features.questionnaires.score_rows import ScoreRow
 from woz_tui.log.damage import Damage
+from woz_tui.protocol import messages as m
 from woz_tui.system.text_cleaning import cell
 
 #: What tells rows of `answers` apart.
@@ -33,6 +34,10 @@ _KEYS = (
     ),
     Variable(ANSWERS, "round", "how often it was asked about this condition, from 1", "integer"),
 )
+
+
+#: From when on a plan holds, and what the variables of each questionnaire mean by it.
+_Plan = tuple[int, Mapping[str, frozenset[Hashable]]]
 
 
 def table_file(study: str, table: str) -> str:
@@ -72,11 +77,14 @@ class DataTables:
         self._tables.write(EVENTS, session.figures, session.events)
         if self.samples:
             self._tables.write(SAMPLES, session.figures, source.samples(Damage()))
-        self._add_answers(session.figures)
+        self._add_answers(session.figures, [*_plans(source)])
 
-    def _add_answers(self, figures: SessionFigures) -> None:
-        """What counts, by the round of its questionnaire in this condition."""
+    def _add_answers(self, figures: SessionFigures, plans: Sequence[_Plan]) -> None:
+        """What counts, by the round of its questionnaire in this condition, in the columns of the
+        version that was asked then.
+        """
         found = asked_in(figures)
+        begun = {(each.questionnaire, each.round): each.t for each in found.rounds}
         columns: dict[tuple[str, str], list[Variable]] = {}
         for each in self.items:
             columns.setdefault((each.questionnaire, each.item), []).append(each)
@@ -92,8 +100,13 @@ class DataTables:
             key = (row.participant, figures.session, row.condition, number)
             cells = self._answers.setdefault(key, {})
             name = row.score if isinstance(row, ScoreRow) else row.item
+            # A score is made of what the file says at the end of the session.
+            at = None if isinstance(row, ScoreRow) else begun.get((row.questionnaire, row.round))
+            meanings = _meanings(plans, row.questionnaire, at)
             for each in columns.get((row.questionnaire, name), ()):
-                if not each.withheld and each.is_score == isinstance(row, ScoreRow):
+                if each.withheld or each.is_score != isinstance(row, ScoreRow):
+                    continue
+                if not each.version or each.meaning in meanings:
                     cells[each.name] = _cell_of(each, row)
 
     def finish(self) -> Mapping[str, Any]:
@@ -132,6 +145,23 @@ class DataTables:
     def close(self) -> None:
         """Close the files; also after an error."""
         self._tables.close()
+
+
+def _plans(source: LogSource) -> Iterator[_Plan]:
+    """What a log plans to ask, from when on."""
+    for line in source.lines(Damage()):
+        if isinstance(line.message, m.SessionPlan):
+            asked = line.message.settings.study.questionnaires
+            yield (
+                line.t or 0,
+                {each.name: frozenset(one.meaning for one in defined_in(each)) for each in asked},
+            )
+
+
+def _meanings(plans: Sequence[_Plan], questionnaire: str, at: int | None) -> frozenset[Hashable]:
+    """Of the variables of a questionnaire at a moment; None: at the end."""
+    before = [plan for t, plan in plans if at is None or t <= at] or [plan for _, plan in plans[:1]]
+    return before[-1].get(questionnaire, frozenset()) if before else frozenset()
 
 
 def _cell_of(each: Variable, row: AnswerRow | ScoreRow) -> Cell:

@@ -9,9 +9,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from woz_tui.analysis.text_format import counted, listed
 from woz_tui.config.about_file import About
-from woz_tui.features.bundle.codebook import Variable
+from woz_tui.features.bundle.codebook import Variable, items_of
+from woz_tui.features.bundle.registered_study import RegisteredStudy
 from woz_tui.features.bundle.session_copies import PlayedFile
-from woz_tui.protocol import messages as m
 
 GAP = "*(to be written by hand)*"
 _ORDERS = {
@@ -21,17 +21,14 @@ _ORDERS = {
 }
 
 
-def preregistration(
-    registered: PlayedFile, plan: m.SessionPlan | None, items: Sequence[Variable], about: About
-) -> str:
-    """The text in Markdown."""
-    return "\n".join(_lines(registered, plan, items, about)) + "\n"
+def preregistration(registered: PlayedFile, study: RegisteredStudy, about: About) -> str:
+    """The text in Markdown; `study` is what the `registered` file plans."""
+    return "\n".join(_lines(registered, study, about)) + "\n"
 
 
-def _lines(
-    registered: PlayedFile, plan: m.SessionPlan | None, items: Sequence[Variable], about: About
-) -> Iterator[str]:
-    title = about.title or (plan.title if plan is not None else "") or registered.name
+def _lines(registered: PlayedFile, study: RegisteredStudy, about: About) -> Iterator[str]:
+    title = about.title or study.title or registered.name
+    items = items_of(study.settings.questionnaires)
     yield f"# Preregistration: {title}"
     yield ""
     yield (
@@ -42,14 +39,14 @@ def _lines(
         yield from ("", f"Registered at {about.preregistration}.")
     for head, text in (
         ("Hypotheses", about.hypotheses or GAP),
-        ("Design", "\n".join(_design(plan))),
-        ("Blinding", _blinding(plan)),
-        ("Randomisation", _randomisation(plan)),
+        ("Design", "\n".join(_design(study))),
+        ("Blinding", _blinding(study)),
+        ("Randomisation", _randomisation(study)),
         ("Existing data", GAP),
         ("Collection of data", about.participants or GAP),
         ("Sample size and its reason", GAP),
         ("When to stop", GAP),
-        ("Manipulated variables", "\n".join(_manipulated(plan))),
+        ("Manipulated variables", "\n".join(_manipulated(study))),
         ("Measured variables", "\n".join(_measured(items))),
         ("Indices", "\n".join(f"* `{each.name}`: {each.label}" for each in items if each.is_score)),
         ("Models", GAP),
@@ -67,41 +64,34 @@ _EXCLUDED = (
 )
 
 
-def _design(plan: m.SessionPlan | None) -> Iterator[str]:
-    if plan is None:
-        return
-    design = plan.settings.study.design
-    conditions = listed([*plan.conditions]) if plan.conditions else "none"
-    yield f"Conditions: {conditions}."
+def _design(study: RegisteredStudy) -> Iterator[str]:
+    design, conditions = study.settings.design, study.conditions
+    yield f"Conditions: {listed([*conditions]) if conditions else 'none'}."
     if design is not None:
         who = "each participant gets all" if design.within else "each participant gets one"
         trials = counted(design.trials, "trial") if design.trials else "no number of trials"
         yield f"{'Within' if design.within else 'Between'} participants: {who}, {trials} in each."
 
 
-def _blinding(plan: m.SessionPlan | None) -> str:
-    if plan is not None and plan.settings.study.blind:
-        labels = listed([*plan.settings.study.blind.values()])
+def _blinding(study: RegisteredStudy) -> str:
+    if study.settings.blind:
+        labels = listed([*study.settings.blind.values()])
         return f"The wizard reads {labels} instead of the conditions' names."
     return "The file blinds nobody."
 
 
-def _randomisation(plan: m.SessionPlan | None) -> str:
-    design = plan.settings.study.design if plan is not None else None
+def _randomisation(study: RegisteredStudy) -> str:
+    design = study.settings.design
     if design is None:
         return "The file orders no conditions."
-    return (
-        f"Order of conditions: {_ORDERS.get(design.order, design.order or 'as the wizard says')}."
-    )
+    order = _ORDERS.get(design.order, design.order or "as the wizard says")
+    return f"Order of conditions: {order}." + (f" {study.order}." if study.order else "")
 
 
-def _manipulated(plan: m.SessionPlan | None) -> Iterator[str]:
-    if plan is None:
-        return
-    if plan.conditions:
-        yield f"* the condition: {listed([*plan.conditions])}"
-    texts = plan.settings.study.by_condition
-    for name, by_condition in texts.items():
+def _manipulated(study: RegisteredStudy) -> Iterator[str]:
+    if study.conditions:
+        yield f"* the condition: {listed([*study.conditions])}"
+    for name, by_condition in study.settings.by_condition.items():
         yield f"* `{name}`:"
         for condition, text in by_condition.items():
             yield f"    * {condition}: {text}"

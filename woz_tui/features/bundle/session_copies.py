@@ -51,18 +51,20 @@ class StudyMaterials:
         versions: Each version of the files, in the order in which they were played, with how many
             sessions began with it.
         plan: What the last session showed.
-        questionnaires: By name, as they were last.
+        plans: What the first session showed that was played with a version, by its hash.
+        questionnaires: By name, each version of it in the order in which they were played.
     """
 
     codes: set[str] = field(default_factory=set)
     versions: dict[str, PlayedFile] = field(default_factory=dict)
     sessions: dict[str, int] = field(default_factory=dict)
     plan: m.SessionPlan | None = None
-    questionnaires: dict[str, Questionnaire] = field(default_factory=dict)
+    plans: dict[str, m.SessionPlan] = field(default_factory=dict)
+    questionnaires: dict[str, list[Questionnaire]] = field(default_factory=dict)
 
     def read(self, source: LogSource) -> None:
         """Add one session."""
-        first = True
+        first, playing = True, ""
         for line in source.lines(Damage()):
             self.codes |= codes_in(line.fields)
             match line.message:
@@ -71,11 +73,14 @@ class StudyMaterials:
                     self.versions.setdefault(played.sha256, played)
                     count = self.sessions.get(played.sha256, 0)
                     self.sessions[played.sha256] = count + first
-                    first = False
+                    first, playing = False, played.sha256
                 case m.SessionPlan(settings=settings) as plan:
                     self.plan = plan
+                    self.plans.setdefault(playing, plan)
                     for each in settings.study.questionnaires:
-                        self.questionnaires[each.name] = each
+                        known = self.questionnaires.setdefault(each.name, [])
+                        if each not in known:
+                            known.append(each)
 
     @property
     def last(self) -> PlayedFile | None:
@@ -84,7 +89,8 @@ class StudyMaterials:
 
     def asked(self) -> frozenset[str]:
         """Every text in which something was asked."""
-        texts = {text for each in self.questionnaires.values() for text in _texts(each)}
+        asked = [each for known in self.questionnaires.values() for each in known]
+        texts = {text for each in asked for text in _texts(each)}
         if self.plan is not None:
             texts.add(self.plan.title)
         return frozenset(texts - {""})

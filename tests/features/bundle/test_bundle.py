@@ -394,3 +394,20 @@ def test_codes_of_choices_have_no_order(bundle: Path) -> None:
     spss = (bundle / "analysis" / "read.sps").read_text()
     assert "VARIABLE LEVEL robot_ux_robots (NOMINAL)." in spss
     assert "VARIABLE LEVEL robot_ux_pleasant (ORDINAL)." in spss
+
+
+@pytest.mark.parametrize("word", ["end", "key", "robot", "Speech"])
+def test_a_code_that_is_a_word_is_told_before_anything_is_written(
+    tmp_path: Path, word: str
+) -> None:
+    """Drawn anew wherever it stands it would change the log; found anywhere it would stop it."""
+    log = write(tmp_path / "r", course_of("P01"), f"2026-03-01T10-00-00_{word}_S01")
+    log.write_bytes(log.read_bytes().replace(b'"P01"', f'"{word}"'.encode()))
+    with pytest.raises(BundleError, match=f"code {word!r} is a word of logs") as raised:
+        bundled(tmp_path / "r", tmp_path / "osf", recode=True)
+    assert f"--public {word}" in raised.value.remedy
+    bundled(tmp_path / "r", tmp_path / "osf", recode=True, public=[word])
+    assert {row["participant"] for row in table(tmp_path / "osf", "answers")}.isdisjoint({word})
+    [row] = [row for row in table(tmp_path / "osf", "actions") if row["action"] == "Hello"][:1]
+    assert (row["panel"], row["source"]) == ("Speech", "key")
+    bundled(tmp_path / "r", tmp_path / "plain")

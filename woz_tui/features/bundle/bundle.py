@@ -41,7 +41,7 @@ from woz_tui.features.bundle.session_copies import (
     StudyMaterials,
     copy_sessions,
 )
-from woz_tui.features.bundle.withheld_texts import WithheldTexts
+from woz_tui.features.bundle.withheld_texts import WithheldTexts, words_among
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.log_reader import files_of
 from woz_tui.log.withdrawals import withdrawn_codes
@@ -114,8 +114,22 @@ def write_bundle(
     materials = StudyMaterials()
     for source in sources:
         materials.read(source)
+    if options.recode:
+        _refuse_words(materials, options.public)
     with new_folder(out, force=force) as folder:
         return _Bundle(folder, options, materials).write(sources)
+
+
+def _refuse_words(materials: StudyMaterials, public: Sequence[str]) -> None:
+    """Of codes that are words, too, nobody could say where they stand for a participant."""
+    codes = [code for code in materials.codes if len(code) >= SHORTEST and code not in public]
+    for code in words_among(codes, materials.words)[:1]:
+        raise BundleError(
+            f"nothing was written: the participant's code {code!r} is a word of logs, tables or"
+            " pages, too, and nobody could tell whether it is a code there",
+            f"with --public {code} it is drawn anew where a code stands, and stays a word elsewhere"
+            "; or leave --recode out",
+        )
 
 
 def _name_of_copy(copied: tuple[LogSource, Path]) -> str:
@@ -145,7 +159,7 @@ class _Bundle:
         self._to_do: list[str] = []
 
     def write(self, sources: Sequence[LogSource]) -> BundleResult:
-        published = PublishedLine(self._codes, self._withheld)
+        published = PublishedLine(self._codes, self._withheld, self._options.public)
         copies = copy_sessions(sources, self._folder, _LOGS, published)
         if self._codes:  # the order of days would lead from new codes to old ones
             copies.sort(key=_name_of_copy)

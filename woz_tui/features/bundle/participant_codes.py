@@ -5,7 +5,7 @@ lab and no order of days leads to them.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 #: No vowels, so that no word comes out, and nothing that looks like a digit.
@@ -13,6 +13,8 @@ _LETTERS = "BCDFGHJKMNPQRSTVWXYZ"
 _LENGTH = 5
 #: A text that is a shorter code may be anything, such as a key; so only `participant` is one then.
 SHORTEST = 3
+#: Fields in which a session's own code may have a participant's inside.
+_SESSIONS = ("session", "original_session")
 
 
 def drawn_codes(old: Iterable[str], chance: random.Random | None = None) -> dict[str, str]:
@@ -43,11 +45,27 @@ def codes_in(fields: Any) -> set[str]:
     return found
 
 
-def recoded(fields: Any, codes: Mapping[str, str]) -> Any:
+def words_in(fields: Any) -> Iterator[str]:
+    """Names and whole texts of a line, other than the codes that it tells as such."""
+    match fields:
+        case dict():
+            for name, value in fields.items():
+                yield name
+                if name not in ("participant", *_SESSIONS) or not isinstance(value, str):
+                    yield from words_in(value)
+        case list():
+            for value in fields:
+                yield from words_in(value)
+        case str():
+            yield fields
+
+
+def recoded(fields: Any, codes: Mapping[str, str], words: Collection[str] = ()) -> Any:
     """The same line with the new codes, wherever a whole text is an old one; a session's own code
-    may have it inside.
+    may have it inside. Those that are `words`, too, are codes only where a line says it.
     """
-    return _recoded(fields, codes, {old: new for old, new in codes.items() if len(old) >= SHORTEST})
+    anywhere = {old: new for old, new in codes.items() if len(old) >= SHORTEST and old not in words}
+    return _recoded(fields, codes, anywhere)
 
 
 def _recoded(fields: Any, codes: Mapping[str, str], anywhere: Mapping[str, str]) -> Any:
@@ -67,7 +85,7 @@ def _recoded(fields: Any, codes: Mapping[str, str], anywhere: Mapping[str, str])
 def _field(name: str, value: Any, codes: Mapping[str, str], anywhere: Mapping[str, str]) -> Any:
     if not isinstance(value, str):
         return _recoded(value, codes, anywhere)
-    if name in ("session", "original_session"):
+    if name in _SESSIONS:
         return _session(value, codes)
     return (codes if name == "participant" else anywhere).get(value, value)
 

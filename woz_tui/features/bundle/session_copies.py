@@ -13,7 +13,7 @@ import msgspec
 from woz_tui.export.jsonl import LogCopy
 from woz_tui.export.log_sources import LogSource, UniqueNames, shown_line
 from woz_tui.export.output_folder import OutputFolder
-from woz_tui.features.bundle.participant_codes import codes_in, recoded
+from woz_tui.features.bundle.participant_codes import codes_in, recoded, words_in
 from woz_tui.features.bundle.withheld_texts import WithheldTexts
 from woz_tui.log.damage import Damage
 from woz_tui.log.log_reader import LogLine
@@ -48,6 +48,7 @@ class StudyMaterials:
 
     Attributes:
         codes: Of participants.
+        words: Names and short texts of the logs that are no codes.
         versions: Each version of the files, in the order in which they were played, with how many
             sessions began with it.
         plan: What the last session showed.
@@ -56,6 +57,7 @@ class StudyMaterials:
     """
 
     codes: set[str] = field(default_factory=set)
+    words: set[str] = field(default_factory=set)
     versions: dict[str, PlayedFile] = field(default_factory=dict)
     sessions: dict[str, int] = field(default_factory=dict)
     plan: m.SessionPlan | None = None
@@ -67,6 +69,7 @@ class StudyMaterials:
         first, playing = True, ""
         for line in source.lines(Damage()):
             self.codes |= codes_in(line.fields)
+            self.words.update(word for word in words_in(line.fields) if word.isalpha())
             match line.message:
                 case m.ExperimentFiles(files=files, left_out=left_out) if files:
                     played = PlayedFile(files, tuple(left_out))
@@ -121,11 +124,14 @@ def _texts(value: Any) -> Iterator[str]:
 
 class PublishedLine:
     """Makes the published form of lines: redacted, without private answers, with the new `codes`
-    if there are any. `withheld` collects what goes.
+    if there are any; those of `public` may be words elsewhere. `withheld` collects what goes.
     """
 
-    def __init__(self, codes: Mapping[str, str], withheld: WithheldTexts) -> None:
+    def __init__(
+        self, codes: Mapping[str, str], withheld: WithheldTexts, public: Sequence[str] = ()
+    ) -> None:
         self._codes = codes
+        self._public = public
         self._withheld = withheld
 
     def __call__(self, line: LogLine) -> LogLine:
@@ -136,7 +142,7 @@ class PublishedLine:
         if line.kind == "session.plan" and "title" in fields:
             fields["title"] = line.fields["title"]  # the experiment file's
         if self._codes:
-            fields = recoded(fields, self._codes)
+            fields = recoded(fields, self._codes, self._public)
         if line.kind != "experiment.files":  # the researcher's, and in the materials
             self._withheld.add(line.fields, fields)
         if self._codes and line.kind == "session.start":

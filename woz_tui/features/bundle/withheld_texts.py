@@ -83,7 +83,7 @@ class WithheldTexts:
         found = []
         for name, path in _files(folder):
             found += [(name, wanted[words]) for words in _standing(path, wanted)]
-        program = _joined(_words_of_the_program()) if found else ""
+        program = _joined(texts_of_the_program()) if found else ""
         return [each for each in found if f" {normal(each[1])} " not in program]
 
 
@@ -97,10 +97,22 @@ def _joined(texts: Iterable[str]) -> str:
     return f" {' '.join(map(normal, texts))} "
 
 
-def _words_of_the_program() -> Iterator[str]:
+def texts_of_the_program() -> Iterator[str]:
     """What the program itself says, in pages and in reasons: no secret to anybody."""
-    for path in Path(woz_tui.__file__).parent.rglob("*.py"):
-        yield path.read_text(encoding="utf-8")
+    for path in Path(woz_tui.__file__).parent.rglob("*"):
+        if path.suffix in (".py", ".css", ".js", ".html"):
+            yield path.read_text(encoding="utf-8")
+
+
+def words_among(codes: Iterable[str], words: Iterable[str]) -> list[str]:
+    """Those codes that are a word of some `words` or of the program, so that nobody could tell
+    where they stand for a participant. A code with a digit is none.
+    """
+    asked = {normal(code): code for code in codes if code.isalpha()}
+    said = {normal(word) for word in words}
+    if asked.keys() - said:
+        said.update(word for text in texts_of_the_program() for word in normal(text).split())
+    return sorted(code for plain, code in asked.items() if plain in said)
 
 
 def _standing(path: Path, wanted: Mapping[str, str]) -> Iterator[str]:

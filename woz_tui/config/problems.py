@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 #: A file with more errors than this is another kind of file; the rest is counted, not listed.
 MAX_PROBLEMS = 200
-#: A longer list of choices helps nobody in a terminal.
-MAX_LISTED = 14
+#: A longer list of choices helps nobody in a terminal; one of keys is all there is to read of them.
+MAX_LISTED, MAX_KEYS_LISTED = 14, 30
 #: Characters of a panel's or an action's name in a place.
 MAX_TITLE = 40
 _ACTION = re.compile(r"(panels\[\d+\])(\.actions\[\d+\])?(?=\.|$)")
@@ -143,9 +143,9 @@ class ProblemReport:
             return f"; did you mean {near!r}?"
         return self.choices(or_list, words) if or_list else ""
 
-    def choices(self, what: str, words: Iterable[str]) -> str:
+    def choices(self, what: str, words: Iterable[str], most: int = MAX_LISTED) -> str:
         """`; <what>: a, b, c`, as long as anybody will read it."""
-        shown = "" if self.has_too_many else listed(words)
+        shown = "" if self.has_too_many else listed(words, most)
         return f"; {what}: {shown}" if shown else ""
 
     def nearest(self, wrong: str, known: Iterable[str]) -> str | None:
@@ -245,11 +245,12 @@ def nearest_word(wrong: str, known: Iterable[str]) -> str | None:
     return folded[near[0]] if near else None
 
 
-def listed(words: Iterable[str]) -> str:
-    """`a, b, c`, and dots if there are many more."""
+def listed(words: Iterable[str], most: int = MAX_LISTED) -> str:
+    """`a, b, c`; if there are more than `most`, the first of them and dots."""
     shown = list(dict.fromkeys(words))
-    dots = ", ..." if len(shown) > MAX_LISTED else ""
-    return ", ".join(shown[:MAX_LISTED]) + dots
+    if len(shown) <= most:
+        return ", ".join(shown)
+    return ", ".join(shown[:MAX_LISTED]) + ", ..."
 
 
 def quoted(text: str, limit: int = 40) -> str:

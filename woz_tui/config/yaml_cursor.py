@@ -13,7 +13,7 @@ from pathlib import Path
 
 from woz_tui.config.file_position import FilePosition
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
-from woz_tui.config.problems import ProblemReport, join, quoted
+from woz_tui.config.problems import MAX_KEYS_LISTED, ProblemReport, join, quoted
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode, described, parse_yaml
 from woz_tui.drivers.fields import Range
 
@@ -113,7 +113,8 @@ class Cursor:
             self.report.explain(self.place, "if this belongs to a text, put the text in quotes")
         near = self.report.nearest(name, words)
         if near is None:
-            self.error(f"unknown{self.report.choices(what, words if listing is None else listing)}")
+            named = words if listing is None else listing
+            self.error(f"unknown{self.report.choices(what, named, MAX_KEYS_LISTED)}")
             return
         self.report.misspelt(self.place.file, join(parent, near))
         self.error(f"unknown; did you mean {near!r}?")

@@ -8,6 +8,7 @@ import pytest
 
 from tests.config.catalogue import CATALOGUE
 from tests.config.reading import HEAD, HELLO, panel, read_experiment
+from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.features.questionnaires.item_entries import NAME_PATTERN, name_from_text
 from woz_tui.features.questionnaires.items import in_language, value_labels, wording
@@ -106,3 +107,23 @@ def test_a_questionnaire_in_two_languages() -> None:
     assert wording(german.items[1]) == "Der Roboter war fake - natürlich"
     assert german.items[8] == asked.items[8]  # a text without languages is the same in all
     assert in_language(asked, "fr") is asked
+
+
+def test_a_slip_in_one_key_is_one_error_that_names_all_keys(tmp_path: Path) -> None:
+    """The last of them is `if`, which people look for; and no weights are wrong for a `how` that
+    means nothing.
+    """
+    head = f"""{HEAD}questionnaires:
+  - name: a
+    items:
+      - {{name: x, question: X?, wenn: 3}}
+      - {{name: y, question: Y?, choices: {{1: x, 2: y}}}}
+      - {{name: z, question: Z?}}
+    scores: {{all: {{items: [x, z], how: wieghted, pairs: [y]}}}}
+"""
+    with pytest.raises(ExperimentError) as raised:
+        read_experiment(tmp_path, panel(HELLO, head=head))
+    keys, how = [problem.message for problem in raised.value.problems]
+    assert keys.startswith("unknown; an item has: question, ")
+    assert keys.endswith(", prefer_not, if")
+    assert how == "'wieghted' is not known; did you mean 'weighted'?"

@@ -139,10 +139,12 @@ class _Checked:
 
     def check(self) -> None:
         """Report what makes no score."""
-        if len(self.items) == len(self.read.items):  # else it has been said what is wrong
-            self._scales()
         if self.read.items and self.read.missing >= len(self.read.items):
             self.table["missing"].error("then all may be missing, and there is nothing to score")
+        if "how" in self.table and getattr(self.table["how"].node, "text", "") not in HOWS:
+            return  # which has been said: what goes with it, nobody knows
+        if len(self.items) == len(self.read.items):  # else it has been said what is wrong
+            self._scales()
         self._weights()
 
     def _scales(self) -> None:

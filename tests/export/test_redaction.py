@@ -36,10 +36,23 @@ from woz_tui.protocol.welcome import Questionnaire, WelcomeSettings
 pytestmark = pytest.mark.safety
 
 GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "export.md"
-#: What the researcher asked, which stays; what people said to it does not.
+#: What of an item is the researcher's own wording.
+_OF_ITEM = (
+    *("name", "question", "stem", "ends", "labels.text", "choices.text", "unit", "group"),
+    *("does_not_apply", "prefer_not", "only_if.item"),
+)
+_OF_VERSION = ("title", "introduction", *(f"items.{each}" for each in _OF_ITEM))
+#: What the researcher asked, which stays; what people said to it does not. Written down here, not
+#: taken from what is tested: whoever keeps more has to say so here.
 ASKED = {
     *(("questionnaire.started", "title"), ("questionnaire.answered", "question")),
-    *(("session.plan", place) for place in kept_at()["session.plan"] if "questionnaires" in place),
+    *(
+        ("session.plan", f"settings.study.questionnaires.{place}")
+        for place in (
+            *("name", *_OF_VERSION, *(f"versions.{each}" for each in _OF_VERSION)),
+            *("scores.name", "scores.items", "scores.reverse", "scores.pairs"),
+        )
+    ),
 }
 #: Whatever else is decided one day: these are never left.
 NEVER = {
@@ -85,6 +98,8 @@ def test_no_secret_of_any_message_gets_out(tmp_path: Path, to: str) -> None:
     for field in ("was", "part"):
         kinds = {kind for kind, fields in KEPT_IN.items() if field in fields}
         assert {kind for kind, path in leaked if path == field} <= kinds
+    asked = {each for each in leaked if "questionnaires." in each[1]}
+    assert asked <= ASKED, "of a questionnaire no more stays than what it asks"
     leaked -= ASKED
     assert not {field_of(path).partition(".")[0] for _, path in leaked} & NEVER
     assert ("strange", "anything") not in leaked
@@ -183,6 +198,8 @@ def test_the_copy_of_a_log_has_all_that_is_promised(tmp_path: Path) -> None:
     export_logs(log, "jsonl", tmp_path / "out", redact=True)
     leaked = {path for _, path in secrets.leaked(content(tmp_path / "out"))}
     fixed = {place for places in kept_at().values() for place in places}  # no secret is such a word
+    of_study = {each for each in ASKED if each[0] == "session.plan"}
+    assert of_study <= secrets.leaked(content(tmp_path / "out")), "what was asked stays"
     everywhere = {field for field in promised() - fixed if "." not in field}
     assert everywhere - leaked == {"kind", "format", "sha256"}, "fixed, or computed anew"
 

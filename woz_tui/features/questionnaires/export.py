@@ -17,17 +17,30 @@ from woz_tui.features.questionnaires.scoring import HOWS
 
 #: Whatever the experiment file says: the researcher's words, not those of a participant.
 _WORDS = re.compile(r".*", re.DOTALL)
+_LANGUAGE = re.compile(r"[a-z]{2,3}(-[A-Za-z0-9]{1,8})*|")
 #: What an item says, and what of it has texts within.
-_OF_ITEM = (
-    *("name", "question", "ends", "kind", "stem", "unit", "group", "does_not_apply", "prefer_not"),
+_WORDS_OF_ITEM = (
+    *("name", "question", "ends", "stem", "unit", "group", "does_not_apply", "prefer_not"),
     *("labels.text", "choices.text", "only_if.item"),
 )
-_OF_PLAN = (
-    *("name", "title", "introduction", "language", "versions.language", "versions.title"),
-    *("versions.introduction", *(f"items.{each}" for each in _OF_ITEM)),
-    *(f"versions.items.{each}" for each in _OF_ITEM),
-    *(f"scores.{each}" for each in ("name", "items", "reverse", "pairs")),
-)
+_OF_ITEM = {
+    **dict.fromkeys(_WORDS_OF_ITEM, _WORDS),
+    "kind": re.compile("scale|slider|choices?|number|month|page"),
+}
+_OF_VERSION = {
+    **dict.fromkeys(("title", "introduction"), _WORDS),
+    "language": _LANGUAGE,
+    **{f"items.{place}": text for place, text in _OF_ITEM.items()},
+}
+_OF_PLAN = {
+    "name": _WORDS,
+    **_OF_VERSION,
+    **{f"versions.{place}": text for place, text in _OF_VERSION.items()},
+    **dict.fromkeys((f"scores.{each}" for each in ("name", "items", "reverse", "pairs")), _WORDS),
+    "scores.how": re.compile("|".join(HOWS)),
+    "when": re.compile("|".join(WHENS)),
+    "role": re.compile(SUSPICION),
+}
 
 EXPORT = FeatureExport(
     parts=(QuestionnaireStarted, QuestionnaireAnswered, QuestionnaireEnded),
@@ -48,9 +61,9 @@ EXPORT = FeatureExport(
     kept_at={
         "questionnaire.started": {
             "title": _WORDS,
-            "language": re.compile(r"[a-z]{2,3}(-[A-Za-z0-9]{1,8})*"),
+            "language": _LANGUAGE,
             "given": re.compile("|".join(GIVEN)),
-            **{f"items.{each}": _WORDS for each in _OF_ITEM},
+            **{f"items.{place}": text for place, text in _OF_ITEM.items()},
         },
         "questionnaire.answered": {
             "reason": re.compile("does_not_apply|prefer_not"),
@@ -58,10 +71,7 @@ EXPORT = FeatureExport(
         },
         "questionnaire.ended": {"reason": re.compile("done|declined|left")},
         "session.plan": {
-            **{f"settings.study.questionnaires.{each}": _WORDS for each in _OF_PLAN},
-            "settings.study.questionnaires.when": re.compile("|".join(WHENS)),
-            "settings.study.questionnaires.role": re.compile(SUSPICION),
-            "settings.study.questionnaires.scores.how": re.compile("|".join(HOWS)),
+            f"settings.study.questionnaires.{place}": text for place, text in _OF_PLAN.items()
         },
     },
     begun=("questionnaire",),

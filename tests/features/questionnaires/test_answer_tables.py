@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import frictionless
 import pytest
 from msgspec.structs import replace
 
@@ -210,3 +211,18 @@ def test_what_depends_on_a_private_answer_keeps_its_own(tmp_path: Path) -> None:
     found = by_item(course_to(tmp_path, "csv", told))
     assert (found["known"]["value"], found["known"]["missing"]) == ("", "private")
     assert (found["which"]["choices"], found["which"]["missing"]) == ("1;6", "")
+
+
+@pytest.mark.parametrize("redact", [False, True])
+@pytest.mark.parametrize("reason", ["done", "declined", "left"])
+def test_frictionless_accepts_the_tables_of_every_kind_of_item(
+    tmp_path: Path, reason: str, redact: bool
+) -> None:
+    """With their types, limits and labels, whether all was answered or next to nothing."""
+    told = course() if reason == "done" else [*course(reason)[:6], course(reason)[-1]]
+    out = course_to(tmp_path, "csv", told, redact=redact)
+    report = frictionless.Package(str(out / "datapackage.json")).validate()
+    assert report.flatten(["name", "rowNumber", "fieldName", "type", "message"]) == []
+    assert {"questionnaires", "questionnaires_wide", "codebook"} <= {
+        task.name for task in report.tasks
+    }

@@ -6,6 +6,7 @@ an item that nobody has answered stands in it.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,8 +14,10 @@ from typing import Any
 from woz_tui.analysis.feature_report import GatheredTables
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.tables import Cell, Column, TableDefinition, rounded
+from woz_tui.export.redaction import PLACEHOLDER
 from woz_tui.features.questionnaires.figures import AnswerRow, asked_in
 from woz_tui.features.questionnaires.items import (
+    MONTH,
     NUMBERS,
     in_language,
     value_labels,
@@ -78,7 +81,7 @@ class Variable:
         elif self.is_number:
             found["constraints"] = {"enum": [*self.labels]}
         elif self.item.asks == "month":
-            found["constraints"] = {"pattern": r"[12]\d{3}-(0[1-9]|1[0-2])"}
+            found["constraints"] = {"pattern": rf"{MONTH.pattern}|{re.escape(PLACEHOLDER)}"}
         if self.labels:
             found["categories"] = [
                 {"value": value, "label": text} for value, text in self.labels.items()

@@ -16,6 +16,7 @@ from tests.session.rig import WAIT_S, experiment
 from woz_tui.client import WozClient, WozConnectionError, WozRefusedError, connect
 from woz_tui.client.tools import ToolCaller
 from woz_tui.config.experiment import Experiment
+from woz_tui.features.proposals.clean_text import texts_of, without_variables
 from woz_tui.features.proposals.history import ProposalHistory, SuggestionEpisode
 from woz_tui.features.proposals.kinds import SuggestGone, SuggestOffered, SuggestTaken
 from woz_tui.features.proposals.rights import ONLY_PROPOSES, ProgramRights
@@ -116,6 +117,22 @@ async def test_what_the_wizard_reads_is_what_is_said(tmp_path: Path) -> None:
         assert (await it.take(offered))["ok"]
         await asked
         assert it.said == ["You are in {condition}"]
+
+
+async def test_the_wizard_gets_all_that_matters_of_it(tmp_path: Path) -> None:
+    async with scene(tmp_path) as it:
+        said = it.client.say("Watch out", driver="robot", when_busy="replace")
+        asked = asyncio.create_task(said)
+        (item,) = (await it.offered())["items"]
+        assert (item["on"], item["when_busy"]) == ("robot", "replace")
+        await it.wizard.ask("dismiss", set="s00001")
+        await asyncio.gather(asked, return_exceptions=True)
+
+
+def test_braces_of_a_list_are_no_variables_either() -> None:
+    """Variables are filled in at any depth of an argument."""
+    assert without_variables({"a": ["{x}", 1, {"b": "{y}"}]}) == {"a": ["{{x}}", 1, {"b": "{{y}}"}]}
+    assert [*texts_of({"a": ["x", 1, {"b": "y"}]})] == ["a", "x", "b", "y"]
 
 
 async def test_it_is_declined_in_words(tmp_path: Path) -> None:

@@ -47,6 +47,33 @@ async def test_each_has_its_key_and_who_proposes_it(size: tuple[int, int]) -> No
         assert before.count("\n") == pilot.drawn().count("\n")
 
 
+@SIZES
+@pytest.mark.parametrize(
+    ("item", "shown"),
+    [
+        (
+            ProposedItem("1", text="Hi", verb="say", args={"text": "Hi", "volume": 80}),
+            "volume 80: “Hi”",
+        ),
+        (
+            ProposedItem("1", text="Hi", verb="say", on="nao", when_busy="replace"),
+            "on nao, interrupts: “Hi”",
+        ),
+        (
+            ProposedItem("1", action="Hello", args={"colour": "red"}, when_busy="refuse"),
+            "only if nothing goes on, Hello colour red",
+        ),
+        (ProposedItem("1", verb="gaze", args={"yaw": [1, True]}), "gaze yaw [1, true]"),
+    ],
+)
+async def test_what_matters_of_it_can_be_read(
+    size: tuple[int, int], item: ProposedItem, shown: str
+) -> None:
+    async with piloted_console(size=size) as pilot:
+        await told(pilot, ON, offered(1, items=[item], approval=True))
+        assert f"mcp asks: {shown}" in " ".join(pilot.drawn().split())
+
+
 async def test_the_key_takes_what_stands_there_by_its_set() -> None:
     async with piloted_console(size=(160, 50)) as pilot:
         await told(pilot, ON, offered(1, "One?", "Two?"), offered(2, "Three?"))

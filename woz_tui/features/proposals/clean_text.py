@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Iterator
+
+from woz_tui.protocol.envelope import Json
 
 #: Characters and items that are offered at the most.
 LONGEST, MOST = 200, 3
@@ -16,6 +19,22 @@ def cleaned(text: str) -> str:
     return " ".join("".join(kept).split())
 
 
-def without_variables(text: str) -> str:
-    """With its braces doubled: it is said as it is read."""
-    return text.replace("{", "{{").replace("}", "}}")
+def without_variables(value: Json) -> Json:
+    """With the braces of its texts doubled: they are said as they are read."""
+    if isinstance(value, str):
+        return value.replace("{", "{{").replace("}", "}}")
+    if isinstance(value, list):
+        return [without_variables(each) for each in value]
+    if isinstance(value, dict):
+        return {name: without_variables(each) for name, each in value.items()}
+    return value
+
+
+def texts_of(value: Json) -> Iterator[str]:
+    """All texts in a value, names of fields too."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, list | dict):
+        parts = [*value, *value.values()] if isinstance(value, dict) else value
+        for each in parts:
+            yield from texts_of(each)

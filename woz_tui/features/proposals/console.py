@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -14,6 +15,7 @@ from woz_tui.console.widgets.feature_console import Board, FeatureCommand, Featu
 from woz_tui.features.proposals.history import ProposalHistory
 from woz_tui.features.proposals.kinds import ProposedItem, SuggestGone, SuggestTaken
 from woz_tui.features.proposals.notes import PLACES, ShownItem, ShownProposals
+from woz_tui.protocol.envelope import Json
 
 #: Lines of a screen from which on all places are shown; below, one less.
 TALL = 30
@@ -117,15 +119,29 @@ def is_whole(state: ConsoleState, frame: PaintFrame, place: int) -> bool:
 
 
 def item_words(state: ConsoleState, item: ProposedItem, frame: PaintFrame) -> str:
-    """`“Hello”`, the action's label, `gaze yaw 20`."""
+    """`“Hello”`, `on nao, interrupts: “Hello”`, the action's label, `gaze yaw 20`."""
+    rest = " ".join(_argument(name, value) for name, value in item.args.items() if name != "text")
     if item.action:
-        slots = " ".join(f"{name}: {value}" for name, value in item.args.items())
-        return clean(f"{state.label(item.action)} {slots}".strip())
+        what = f"{state.label(item.action)} {rest}".strip()
+    elif item.verb in ("", "say"):
+        what = rest
+    else:
+        what = f"{item.verb} {rest}".strip()
+    where = [f"on {item.on}"] if item.on else []
+    front = clean(", ".join(filter(None, (*where, _BUSY.get(item.when_busy, ""), what))))
+    if not item.text:
+        return front
     said = quotation(item.text, frame.glyphs)
-    if item.verb in ("", "say"):
-        return said
-    rest = (f"{name} {value}" for name, value in item.args.items() if name != "text")
-    return clean(" ".join(filter(None, (item.verb, *rest)))) + (f" {said}" if said else "")
+    return f"{front}: {said}" if front else said
+
+
+#: What a program wants where the robot is still at something else.
+_BUSY = {"replace": "interrupts", "refuse": "only if nothing goes on"}
+
+
+def _argument(name: str, value: Json) -> str:
+    told = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    return f"{name} {told}"
 
 
 def _taken(message: SuggestTaken, shown: EventContext) -> EventLine:

@@ -12,7 +12,13 @@ from msgspec.structs import replace
 
 from woz_tui.config.experiment import Experiment
 from woz_tui.features.phases.kinds import PhaseChanged
-from woz_tui.features.proposals.clean_text import LONGEST, MOST, cleaned, without_variables
+from woz_tui.features.proposals.clean_text import (
+    LONGEST,
+    MOST,
+    cleaned,
+    texts_of,
+    without_variables,
+)
 from woz_tui.features.proposals.gate import ApprovalFact
 from woz_tui.features.proposals.kinds import (
     AskDismiss,
@@ -169,19 +175,18 @@ class ProposalsInSession(SessionFeature):
         match request:
             case r.AskVerb(verb=verb) if not rights.asks(verb):
                 return False
-            case r.AskVerb(verb=verb, args=args):
-                item = ProposedItem("1", verb=verb, args={**args})
+            case r.AskVerb(verb=verb, args=args, on=on, when_busy=busy):
+                item = ProposedItem("1", verb=verb, args={**args}, on=on, when_busy=busy)
                 if isinstance(text := args.get("text"), str):
                     item = replace(item, text=text)
                 self._hold(client, request, item, decide)
             case r.AskAction() if not rights.asks(ACTIONS):
                 return False
-            case r.AskAction(action=action, slots=slots):
+            case r.AskAction(action=action, slots=slots, when_busy=busy):
                 if self.session.experiment.action(action) is None:
                     raise RequestError(f"there is no action {action!r}")
-                self._hold(
-                    client, request, ProposedItem("1", action=action, args={**slots}), decide
-                )
+                item = ProposedItem("1", action=action, args={**slots}, when_busy=busy)
+                self._hold(client, request, item, decide)
             case _:
                 raise RequestError(
                     "this program only proposes: it can ask for verbs and actions, nothing else"
@@ -205,7 +210,7 @@ class ProposalsInSession(SessionFeature):
             raise RequestError(
                 "what this program asked for before still waits for the wizard", "wait for that"
             )
-        texts = [item.text, *(text for text in item.args.values() if isinstance(text, str))]
+        texts = [item.text, item.on, *texts_of(item.args)]
         if any(cleaned(text) != text or len(text) > LONGEST for text in texts):
             raise RequestError(
                 f"a text that is to be approved has one line of {LONGEST} characters at the most,"
@@ -383,13 +388,8 @@ class ProposalsInSession(SessionFeature):
         asked = replace(asked, sent_us=0, age_us=0, stale=False)
         if isinstance(asked, r.AskVerb):
             args = {**asked.args, "text": text} if text else asked.args
-            asked = replace(
-                asked,
-                args={
-                    name: without_variables(value) if isinstance(value, str) else value
-                    for name, value in args.items()
-                },
-            )
+            kept = {name: without_variables(value) for name, value in args.items()}
+            asked = replace(asked, args=kept)
         self._approved = found.console
         try:
             reply = found.decide(asked)

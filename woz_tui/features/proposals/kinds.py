@@ -53,7 +53,8 @@ class SuggestAsked(Message, frozen=True, kw_only=True, tag="suggest.asked"):
 
 class ProposedItem(msgspec.Struct, frozen=True, omit_defaults=True):
     """One item of a set: an action by its name (`args`: its slots), a sentence, or a verb with its
-    arguments, in which nothing is filled in any more.
+    arguments, in which nothing is filled in any more. `on`: the driver that is to do it, where the
+    program names one; `when_busy`: what it is to do where its lane is occupied.
     """
 
     id: str
@@ -61,6 +62,8 @@ class ProposedItem(msgspec.Struct, frozen=True, omit_defaults=True):
     text: str = ""
     verb: str = ""
     args: dict[str, Json] = {}
+    on: str = ""
+    when_busy: str = ""
 
 
 class SuggestOffered(RestrictedMessage, frozen=True, kw_only=True, tag="suggest.offered"):

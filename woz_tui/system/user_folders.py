@@ -44,6 +44,19 @@ def cache_folder() -> Path:
     return _folder("XDG_CACHE_HOME", ".cache")
 
 
+def kept_of_logs(what: str) -> Path:
+    """The cache of something that is made of logs, a folder of files: a withdrawal empties it."""
+    return cache_folder() / "woz-tui" / "logs" / what
+
+
+def forget_logs() -> None:
+    """Remove all that such caches hold."""
+    with contextlib.suppress(OSError, RuntimeError):
+        for path in kept_of_logs("").glob("*/*"):
+            with contextlib.suppress(OSError):
+                path.unlink()
+
+
 def _folder(variable: str, below_home: str) -> Path:
     configured = Path(os.environ.get(variable, ""))
     return configured if configured.is_absolute() else Path.home() / below_home

@@ -38,6 +38,7 @@ from woz_tui.log.withdrawals import (
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.visitor_store import VisitorsError, VisitorStore
 from woz_tui.system import files
+from woz_tui.system.user_folders import forget_logs
 from woz_tui.withdrawal.code_words import CodeWords, is_distinct
 from woz_tui.withdrawal.log_cut import CutSummary, LogCut
 from woz_tui.withdrawal.stored_files import (
@@ -317,6 +318,7 @@ def _go_through(steps: _Steps, home: Path) -> None:
         if steps.record is not None:
             add_withdrawal(Path(recorded), steps.record)
     forget_all()  # nobody knows whose figures are in which file
+    forget_logs()
     for folder in sorted(folders, reverse=True):
         _leave(folder, home)
     (home / JOURNAL).unlink()

@@ -21,6 +21,9 @@ from woz_tui.features.proposals.kinds import (
 from woz_tui.features.proposals.section import PROPOSALS, Proposals, SuggestKeysOfFile
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
+from woz_tui.session.participant_identity import SessionIdentity
+from woz_tui.withdrawal.removal import planned, withdraw
+from woz_tui.withdrawal.stored_files import stored_files
 
 KEY = RequestOrigin("key", "h", "con1")
 
@@ -28,7 +31,7 @@ KEY = RequestOrigin("key", "h", "con1")
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    return tmp_path / "cache" / "woz" / "acts"
+    return tmp_path / "cache" / "woz-tui" / "logs" / "acts"
 
 
 def learning(folder: Path) -> Experiment:
@@ -49,10 +52,13 @@ def earlier(tmp_path: Path, *actions: str, words: str = "") -> None:
             rig.session.play(name, KEY)
             await asyncio.sleep(3)
 
-    stem = f"{len([*(tmp_path / 'recordings').glob('*')]):03}"
-    SessionRig(tmp_path, made=experiment(tmp_path), stem=f"2026-01-01T10-00-00_P{stem}_S01").run(
-        scenario, 3
-    )
+    number = len([*(tmp_path / "recordings").glob("*.samples.jsonl")]) + 1
+    SessionRig(
+        tmp_path,
+        made=experiment(tmp_path),
+        stem=f"2026-01-01T10-00-00_P07_S{number:02}",
+        identity=SessionIdentity(f"S{number:02}", "P07", "warm"),
+    ).run(scenario, 3)
 
 
 def session(tmp_path: Path, scenario: Callable[[SessionRig], object]) -> SessionRig:
@@ -64,7 +70,7 @@ def session(tmp_path: Path, scenario: Callable[[SessionRig], object]) -> Session
         if asyncio.iscoroutine(result):
             await result
 
-    rig = SessionRig(tmp_path, made=learning(tmp_path), stem="2026-03-01T10-00-00_P07_S01")
+    rig = SessionRig(tmp_path, made=learning(tmp_path), stem="2026-03-01T10-00-00_P07_S09")
     return rig.run(whole, 3)
 
 
@@ -148,6 +154,31 @@ def test_a_log_is_read_once_and_forgotten_when_it_has_gone(tmp_path: Path, own_c
     for path in logs.iterdir():
         path.unlink()
     assert earlier_acts([logs], "Made by hand", "made.yaml").sessions == ()
+    assert [*own_cache.iterdir()] == []
+
+
+def test_what_was_kept_goes_with_its_log_beyond_the_newest(
+    tmp_path: Path, own_cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("Hello", "Map", "Welcome"):
+        earlier(tmp_path, name)
+    logs = tmp_path / "recordings"
+    earlier_acts([logs], "Made by hand", "made.yaml")
+    monkeypatch.setattr("woz_tui.features.proposals.earlier_acts.MOST", 1)
+    earlier_acts([logs], "Made by hand", "made.yaml")
+    assert len([*own_cache.iterdir()]) == 3, "of a log that is there it stays"
+    for path in logs.glob("*_S01.*"):
+        path.unlink()
+    earlier_acts([logs], "Made by hand", "made.yaml")
+    assert len([*own_cache.iterdir()]) == 2
+
+
+def test_a_withdrawal_removes_all_that_was_kept(tmp_path: Path, own_cache: Path) -> None:
+    earlier(tmp_path, "Hello")
+    logs = tmp_path / "recordings"
+    earlier_acts([logs], "Made by hand", "made.yaml")
+    assert [*own_cache.iterdir()]
+    withdraw(planned(stored_files([logs], ["P07"]), "P07"), logs, "2026-12-01")
     assert [*own_cache.iterdir()] == []
 
 

@@ -2,7 +2,7 @@
 
 Called in a thread: it reads files. Trainings, re-runs, acts of the robot itself and those that were
 marked as mistakes are left out. What was found is kept in the cache by the log's SHA-256, words
-as numbers; what is kept of logs that are not there any more is removed.
+as numbers; what is kept of logs that are not there any more is removed, a withdrawal removes all.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,7 +21,7 @@ from woz_tui.log.log_opening import open_log
 from woz_tui.log.sessions import sessions_in
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
-from woz_tui.system.user_folders import cache_folder
+from woz_tui.system.user_folders import kept_of_logs
 
 #: Sessions at the most, the newest ones.
 MOST = 50
@@ -47,11 +47,11 @@ def earlier_acts(folders: Iterable[Path], title: str, file: str) -> EarlierActs:
     """Those of the experiment of this title; a log that tells none counts if the experiment's
     `file` had this name.
     """
-    kept = cache_folder() / "woz" / "acts"
+    kept = kept_of_logs("acts")
     there = [str(folder) for folder in dict.fromkeys(folders) if folder.is_dir()]
     logs, _ = sessions_in(there)
     found: list[tuple[str, tuple[Act, ...]]] = []
-    names: set[str] = set()
+    names: dict[str, Path] = {}
     for log in sorted(logs, key=lambda each: each.name, reverse=True):
         if len(found) >= MOST:
             break
@@ -60,14 +60,14 @@ def earlier_acts(folders: Iterable[Path], title: str, file: str) -> EarlierActs:
             digest = _digest(files)
         except (OSError, ValueError):  # also one that is too old
             continue
-        names.add(digest)
+        names[digest] = log.absolute()
         known = _kept(kept / digest)
         if known is None:
             known = _read(files)
-            _keep(kept / digest, *known)
+            _keep(kept / digest, names[digest], *known)
         if known[0] in (title, f"{_FILE}{file}") and known[1]:
             found.append((digest, known[1]))
-    _forget(kept, names, complete=len(found) < MOST)
+    _forget(kept, names)
     found.reverse()
     return EarlierActs(tuple(acts for _, acts in found), tuple(digest for digest, _ in found))
 
@@ -141,9 +141,9 @@ def _kept(path: Path) -> tuple[str, tuple[Act, ...]] | None:
         return None
 
 
-def _keep(path: Path, title: str, acts: Sequence[Act]) -> None:
+def _keep(path: Path, log: Path, title: str, acts: Sequence[Act]) -> None:
     rows = [(act.action, act.phase, act.heard, act.new) for act in acts]
-    text = json.dumps({"version": VERSION, "title": title, "acts": rows})
+    text = json.dumps({"version": VERSION, "log": str(log), "title": title, "acts": rows})
     try:
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         new = path.with_suffix(".new")
@@ -154,13 +154,23 @@ def _keep(path: Path, title: str, acts: Sequence[Act]) -> None:
         return  # without a cache they are read again
 
 
-def _forget(folder: Path, names: set[str], *, complete: bool) -> None:
-    """What is kept of logs that have gone: a participant may have withdrawn."""
-    if not complete:
-        return
+def _forget(folder: Path, names: Mapping[str, Path]) -> None:
+    """What is kept of logs that have gone or were cut, wherever they lay: a participant may have
+    withdrawn.
+    """
+    read = {*names.values()}
     try:
         for path in folder.iterdir():
-            if path.name not in names:
+            if path.name not in names and ((log := _log_of(path)) is None or log in read):
                 path.unlink(missing_ok=True)
     except OSError:
         return
+
+
+def _log_of(path: Path) -> Path | None:
+    """The log of which it was kept; None: it is not there any more."""
+    try:
+        log = Path(json.loads(path.read_text())["log"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return log if log.is_file() else None

@@ -21,6 +21,7 @@ from woz_tui.features.proposals.kinds import (
 from woz_tui.features.proposals.section import PROPOSALS, Proposals, SuggestKeysOfFile
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.withdrawal.removal import planned, withdraw
 from woz_tui.withdrawal.stored_files import stored_files
@@ -107,6 +108,24 @@ def test_what_followed_in_earlier_sessions_is_offered_and_taken_by_its_own_key(
         assert len(ranked[offer.set].scores) == len(offer.items)
     ends = [line.set for line in rig.of(SuggestTaken)] + [line.set for line in rig.of(SuggestGone)]
     assert sorted(ends) == [line.set for line in rig.of(SuggestOffered)]
+
+
+def test_a_refused_key_is_no_act(tmp_path: Path) -> None:
+    """Nothing was played: what is offered stays, and the next list does not count it."""
+
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.set_lock("Speech", locked=True, source="test")
+        with pytest.raises(RequestError):
+            rig.session.play("Hello", KEY)
+        await asyncio.sleep(1)
+        assert lists(rig) == [lists(rig)[0]]
+        rig.session.set_lock("Speech", locked=False, source="test")
+        rig.session.play("Hello", KEY)
+        await asyncio.sleep(3)
+
+    rig = session(tmp_path, scenario)
+    (taken,) = rig.of(SuggestTaken)
+    assert (taken.how, taken.run) == ("own_key", rig.of(m.ActionRequested)[1].run)
 
 
 def test_words_are_answered_after_a_while(tmp_path: Path) -> None:

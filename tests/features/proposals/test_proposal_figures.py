@@ -56,6 +56,18 @@ def test_each_set_has_a_row_with_its_end() -> None:
     assert rows[2].distance is None
 
 
+def test_a_refused_key_is_no_next_act() -> None:
+    session = ExampleSession()
+    session.add(1, SuggestOffered(set="s1", source="logs", items=[ProposedItem("1", action="Map")]))
+    session.add(2, m.ActionRequested(run="a1", action="Bye", source="key"))
+    session.add(2, m.ActionRefused(run="a1", action="Bye", reason="locked"))
+    session.add(3, m.ActionRequested(run="a2", action="Map", source="midi", key="1"))
+    session.add(3, SuggestTaken(set="s1", item="1", how="own_key", run="a2"))
+    found = figures_of(in_time(session.end(9))).features["proposals"]
+    assert isinstance(found, ProposalFigures)
+    assert [row.was_right for row in found.sets] == [True]
+
+
 def test_each_sentence_has_its_origin() -> None:
     assert counted().origins == {"proposed: program": 1, "proposed: logs": 1, "key": 1}
 

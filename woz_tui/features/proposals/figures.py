@@ -13,6 +13,8 @@ from woz_tui.analysis.feature_figures import FeatureFigures, Instant
 from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.text_format import NONE, counted, in_seconds, listed
 from woz_tui.features.proposals.history import SuggestionEpisode
+from woz_tui.features.proposals.rights import HANDS
+from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import SPEAKING_VERBS
 from woz_tui.timeline.episodes import ActionEpisode, CommandEpisode, Episode
 from woz_tui.timeline.timeline import Timeline
@@ -125,7 +127,7 @@ def _rows(timeline: Timeline) -> Iterator[SetRow]:
     acts = [
         (each.begin, each.label)
         for each in timeline.of(ActionEpisode)
-        if each.request.source in ("key", "script", "palette")
+        if each.request.source in HANDS and not isinstance(each.ended, m.ActionRefused)
     ]
     for each in timeline.of(SuggestionEpisode):
         offered, taken = each.offered, each.taken

@@ -100,6 +100,9 @@ class ProposalsInSession(SessionFeature):
         self._likely = LikelyActs(session, self._offer_likely)
         #: Whether an item is being taken: what is played then is no other act.
         self._taking = False
+        #: Presses of which it is not known yet whether they are refused, by run, and whether an
+        #: item was taken with them.
+        self._pressed: dict[str, tuple[m.ActionRequested, bool]] = {}
 
     def begin(self) -> None:
         if self._section is not None:
@@ -442,13 +445,26 @@ class ProposalsInSession(SessionFeature):
             self._end_all("stop")
 
     def _acted(self, message: m.ActionRequested) -> None:
-        """A person played something: perhaps what was proposed, by its own key."""
+        """A person pressed something; a refusal follows at once, if there is one."""
         if message.source in HANDS:
-            self._likely.act(message)
-        if self._taking or message.source not in HANDS:
+            self._pressed[message.run] = message, self._taking
+            asyncio.get_running_loop().call_soon(self._played, message.run)
+
+    def _refused(self, message: m.ActionRefused) -> None:
+        """What was refused was no act, also where that comes late."""
+        if self._pressed.pop(message.run, None) is None:
+            self._likely.forget(message.run)
+
+    def _played(self, run: str) -> None:
+        """It was accepted: perhaps what was proposed, by its own key."""
+        if run not in self._pressed:
+            return
+        message, taken = self._pressed.pop(run)
+        self._likely.act(message)
+        if taken:
             return
         for name, each in [*self._open.items()]:
-            if each.decide is not None:
+            if each.decide is not None or each.since > message.t:
                 continue
             item = next((one for one in each.offered.items if one.action == message.action), None)
             if item is None:
@@ -460,8 +476,8 @@ class ProposalsInSession(SessionFeature):
                     set=name,
                     item=item.id,
                     how="own_key",
-                    run=message.run,
-                    after_us=self.session.hub.now() - each.since,
+                    run=run,
+                    after_us=message.t - each.since,
                     console=message.console,
                     tells=each.offered.tells,
                 )
@@ -489,6 +505,7 @@ class ProposalsInSession(SessionFeature):
     hears: ClassVar[Mapping[type[m.Message], Any]] = {
         m.StopPressed: _stopped,
         m.ActionEnd: _ended,
+        m.ActionRefused: _refused,
         m.End: _ended,
         m.ActionRequested: _acted,
         m.Command: _sent,

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -126,6 +128,26 @@ def test_a_refused_key_is_no_act(tmp_path: Path) -> None:
     rig = session(tmp_path, scenario)
     (taken,) = rig.of(SuggestTaken)
     assert (taken.how, taken.run) == ("own_key", rig.of(m.ActionRequested)[1].run)
+
+
+def test_what_was_read_for_a_file_that_is_read_again_is_thrown_away(tmp_path: Path) -> None:
+    async def scenario() -> SessionRig:
+        loop, read = asyncio.get_running_loop(), threading.Event()
+        with ThreadPoolExecutor(1) as threads:
+            loop.set_default_executor(threads)
+            busy = loop.run_in_executor(None, read.wait)
+            async with SessionRig(tmp_path, made=learning(tmp_path)) as rig:
+                off = Proposals(SuggestKeysOfFile(logs=False))
+                sections = {**rig.experiment.sections, PROPOSALS: off}
+                rig.session.adopt(replace(rig.experiment, sections=sections), ["suggest"])
+                read.set()
+                await busy
+                await loop.run_in_executor(None, lambda: None)  # behind what reads logs
+                rig.session.play("Hello", KEY)
+                await rig.until(lambda: rig.of(m.ActionDone))
+        return rig
+
+    assert asyncio.run(scenario()).of(SuggestOffered) == []
 
 
 def test_words_are_answered_after_a_while(tmp_path: Path) -> None:

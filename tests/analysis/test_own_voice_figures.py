@@ -74,6 +74,7 @@ def test_in_an_older_log_the_words_tell_whose_they_are(text: str, counted: int) 
     assert figures(heard(text=text))[:2] == (counted, counted)
     (spoken,) = timeline_of(heard(text=text)).of(UtteranceEpisode)
     assert (spoken.own, spoken.overlap) == (not counted, bool(counted))
+    assert figures_of(heard(text=text)).whole.overlaps == counted
 
 
 def test_words_with_times_say_when_the_visitor_spoke() -> None:

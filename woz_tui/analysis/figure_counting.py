@@ -210,6 +210,7 @@ class _Counting:
         for spoken in self._timeline.of(e.UtteranceEpisode):
             if spoken.ended is not None and not spoken.own:
                 self.at(spoken.context).utterances += 1
+                self.at(spoken.context).overlaps += spoken.overlap
                 for tally, us in self._pieces(spoken, self.at):
                     tally.speech.add(us)
         for stop in self._timeline.of(e.StopEpisode):

@@ -63,6 +63,7 @@ class PartSums:
     notes: int = 0
     stops: int = 0
     utterances: int = 0
+    overlaps: int = 0
     speech: Durations = field(default_factory=Durations)
     times: defaultdict[str, Durations] = field(default_factory=_by_name)
     on_us: int = 0

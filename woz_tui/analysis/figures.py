@@ -179,6 +179,7 @@ class PartFigures:
         settings_us: How long settings of a robot were known, and `differing_us` of that how long
             at least one was other than asked for.
         utterances: Of the visitor, which began in it; `speech` has the lengths of their pieces.
+        overlaps: Those in which they spoke into the robot's sentence.
         counted: It is somebody's who took part.
         scope: `TRIALS`, `OUTSIDE` (of whatever condition) or `SESSION`.
         wizards: What each played by hand.
@@ -209,6 +210,7 @@ class PartFigures:
     counted: bool = True
     scope: str = SESSION
     edited: int = 0
+    overlaps: int = 0
     wizards: Sequence[WizardCount] = ()
 
     @property

@@ -218,6 +218,8 @@ _OF_CORE: tuple[Measure, ...] = (
             "differ %", lambda part: part.differing_share),
     Measure("utterances", "", "stretches of a visitor's speech (`speech.ended`) that began in it",
             "speech", lambda part: part.utterances),
+    Measure("overlaps", "", "those of them in which the visitor spoke into the robot's sentence "
+            "(`overlap`)", "overlaps", lambda part: part.overlaps),
     Measure("speech_s", "s", "time in which visitors spoke, pre-roll and trailing silence included",
             "speech s", lambda part: part.speech.total / 1e6),
     Measure(
@@ -279,6 +281,7 @@ _TITLES = {
     "settings_differ_s": "Settings not as requested",
     "settings_differ_share": "Settings not as requested, share",
     "utterances": "Visitor's utterances",
+    "overlaps": "Visitor spoke into the robot's sentence",
     "speech_s": "Visitor's speech",
     "mistake_rate": "Mistakes, share of wizard actions",
     "stops": "Emergency stops",

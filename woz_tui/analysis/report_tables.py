@@ -40,7 +40,15 @@ _OF_SESSION = (
     *("press_p95_ms", "press_max_ms"),
     *("cues", "cues_answered", "cues_missed", "reaction_median_s", "reaction_p95_s"),
     *("settings_differ_s", "settings_differ_share", "engaged_share", "episodes"),
-    *("episode_median_s", "utterances", "speech_s", "mistakes", "mistake_rate", "stops"),
+    *(
+        "episode_median_s",
+        "utterances",
+        "overlaps",
+        "speech_s",
+        "mistakes",
+        "mistake_rate",
+        "stops",
+    ),
     *("markers", "notes", *OF_FEATURES),
 )
 #: The main figures by participant and condition on the terminal, those first that are worth most:

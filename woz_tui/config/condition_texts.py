@@ -64,9 +64,14 @@ def says_by_condition(action: Action, variables: Variables) -> bool:
 
 
 def read_variables(
-    cursor: Cursor | None, filled: Collection[str], conditions: Sequence[str]
+    cursor: Cursor | None,
+    filled: Collection[str],
+    conditions: Sequence[str],
+    later: Collection[str] = (),
 ) -> Variables:
-    """The experiment's own; those that are `filled` in are not among them."""
+    """The experiment's own; those that are `filled` in are not among them. `later`: variables whose
+    values are known only when a sentence is said, slots and what is known of a participant.
+    """
     table = cursor.table("a mapping of names to texts") if cursor is not None else None
     always: dict[str, str] = {}
     depending: dict[str, dict[str, str]] = {}
@@ -83,7 +88,14 @@ def read_variables(
             always[name] = read_text(entry, "text, or a text for each condition") or ""
     for name, found in depending.items():
         for condition, entry in (table or {})[name].entries():
-            utterance_template.check(entry, found.get(condition, ""), (*filled, *always))
+            text = found.get(condition, "")
+            if late := [each for each in utterance_template.names(text) if each in later]:
+                entry.error(
+                    f"{{{late[0]}}} cannot stand in a variable, because it is known only when a"
+                    " sentence is said; give the action a sentence for each condition:"
+                    f" say: {{{condition}: ...}}"
+                )
+            utterance_template.check(entry, text, (*filled, *always, *later))
     return Variables(always, depending)
 
 

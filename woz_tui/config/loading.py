@@ -156,7 +156,6 @@ class _ExperimentDecoder:
             *utterance_template.BUILT_IN,
             *(utterance_template.OF_VISITOR if section is not None else ()),
         )
-        variables = read_variables(table.get("variables"), filled, conditions)
         language = Language(table.get("language"), self._path.absolute().parent, self._sources)
         panels_cursor = table.get("panels")
         folder = self._path.absolute().parent
@@ -170,6 +169,7 @@ class _ExperimentDecoder:
         for name, begun in reading.items():
             with self._naming(name, root):
                 of_features |= begun.variables(table)
+        variables = read_variables(table.get("variables"), filled, conditions, of_features)
         of_people: dict[str, Collection[str] | None] = dict.fromkeys(
             utterance_template.OF_VISITOR[1:] if section is not None else (), ()
         )

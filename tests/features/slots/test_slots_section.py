@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.config.reading import errors, panel, read_experiment
+from tests.config.reading import HEAD, errors, panel, read_experiment
 from woz_tui.config.reload_changes import compare
 from woz_tui.features.slots.section import SLOTS, Slot
 
@@ -38,6 +38,16 @@ def test_what_is_wrong_is_told_with_its_place(tmp_path: Path) -> None:
         assert any(told in each for each in errors(tmp_path, panel(ASK) + f"slots: {slots}\n")), (
             told
         )
+
+
+def test_in_a_variable_by_condition_it_cannot_stand_and_the_error_says_where_it_can(
+    tmp_path: Path,
+) -> None:
+    head = "conditions: [warm, cold]\nvariables: {like: {warm: 'a {colour} one', cold: 'one'}}\n"
+    action = "{label: Ask, say: {warm: 'Do you like {colour}, {like}?', cold: 'Do you like it?'}}"
+    [wrong] = errors(tmp_path, panel(action, head=HEAD + head) + SLOT)
+    assert "{colour} cannot stand in a variable" in wrong
+    assert "say: {warm: ...}" in wrong
 
 
 def test_a_repair_cannot_have_one_and_one_without_a_sentence_is_odd(tmp_path: Path) -> None:

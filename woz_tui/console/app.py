@@ -45,7 +45,7 @@ from woz_tui.console.widgets.feature_console import FeatureConsole, NextStep
 from woz_tui.console.widgets.main_screen import MainScreen
 from woz_tui.console.widgets.meters import turned_away
 from woz_tui.console.widgets.status_rows import StatusInfo
-from woz_tui.feature import answer_of, pieces
+from woz_tui.feature import answer_of, answers_of, pieces
 from woz_tui.protocol.camera_pictures import PictureShown
 from woz_tui.protocol.messages import (
     ConsoleAttached,
@@ -416,6 +416,16 @@ class Console(ScreenApp):
         self._main_screen.paint(self.state, screen, line, bar)
         if self.dialog is not None and self.dialog.is_mounted:
             self.dialog.refreshed()
+        self._tell_shown(screen)
+
+    def _tell_shown(self, frame: PaintFrame) -> None:
+        """What features tell of what stands on the screen now."""
+        if self.state.lost:
+            return
+        for name, each in pieces("console", FeatureConsole).items():
+            if each.shown is not None:
+                for request in answers_of(name, each.shown, self.state, frame):
+                    self.requests.ask(request, _unread)
 
     def _begins(self) -> tuple[str, str]:
         """The key of what is to begin before anything comes next, and what; without a key, why
@@ -676,3 +686,7 @@ class Console(ScreenApp):
         if top is not None:
             self.keyboard.takes_late = top.takes_late
         self.keyboard.free = top is None or top.plays
+
+
+def _unread(_: Reply) -> None:
+    """Of a reply that tells a person nothing."""

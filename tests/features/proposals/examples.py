@@ -6,6 +6,7 @@ from woz_tui.features.proposals.kinds import (
     AskDismiss,
     AskModelTold,
     AskPropose,
+    AskShown,
     AskTake,
     ProposedItem,
     SuggestAsked,
@@ -14,6 +15,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestOffered,
     SuggestRanked,
     SuggestSettings,
+    SuggestShown,
     SuggestTaken,
 )
 
@@ -66,6 +68,7 @@ PROPOSALS = (
         took_us=640_000,
         error="it took too long",
     ),
+    SuggestShown(set="s00002", items=["1", "2"], after_us=41_000, console="con1"),
 )
 REQUESTS = (
     AskTake(ref=61, set="s00001", item="1", text="It is a blue whale.", key="f9", age_us=800),
@@ -92,4 +95,5 @@ REQUESTS = (
         within=5.0,
         cue="ear/3",
     ),
+    AskShown(ref=66, set="s00002", items=["1", "2"]),
 )

@@ -18,7 +18,12 @@ from woz_tui.client.tools import ToolCaller
 from woz_tui.config.experiment import Experiment
 from woz_tui.features.proposals.clean_text import texts_of, without_variables
 from woz_tui.features.proposals.history import ProposalHistory, SuggestionEpisode
-from woz_tui.features.proposals.kinds import SuggestGone, SuggestOffered, SuggestTaken
+from woz_tui.features.proposals.kinds import (
+    SuggestGone,
+    SuggestOffered,
+    SuggestShown,
+    SuggestTaken,
+)
 from woz_tui.features.proposals.rights import ONLY_PROPOSES, ProgramRights
 from woz_tui.features.proposals.section import PROPOSALS, Proposals, SuggestKeysOfFile
 from woz_tui.features.study.design import Design
@@ -127,6 +132,21 @@ async def test_the_wizard_gets_all_that_matters_of_it(tmp_path: Path) -> None:
         assert (item["on"], item["when_busy"]) == ("robot", "replace")
         await it.wizard.ask("dismiss", set="s00001")
         await asyncio.gather(asked, return_exceptions=True)
+
+
+async def test_when_it_stood_on_a_screen_is_in_the_log(tmp_path: Path) -> None:
+    async with scene(tmp_path) as it:
+        asked = it.asks("Hello")
+        name = (await it.offered())["set"]
+        for items in (["1"], ["1", "2"]):
+            assert (await it.wizard.ask("shown", set=name, items=items))["ok"]
+        await it.take({"set": name, "items": [{"id": "1"}]})
+        await asked
+        assert (await it.wizard.ask("shown", set=name, items=["1"]))["ok"], "it has just gone"
+        assert [(line.set, line.items) for line in it.host.of(SuggestShown)] == [(name, ["1"])]
+        watcher = await it.host.connect()
+        await watcher.hello("watcher")
+        assert not (await watcher.ask("shown", set=name, items=["1"]))["ok"]
 
 
 def test_braces_of_a_list_are_no_variables_either() -> None:

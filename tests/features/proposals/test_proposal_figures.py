@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from tests.analysis.example_sessions import ExampleSession, figures_of, in_time
 from woz_tui.features.proposals.figures import FIGURES, ProposalFigures
+from woz_tui.features.proposals.gathered import GatheredProposals
 from woz_tui.features.proposals.kinds import (
     ProposedItem,
     SuggestGone,
     SuggestOffered,
+    SuggestShown,
     SuggestTaken,
 )
 from woz_tui.features.proposals.report import SUGGESTIONS
@@ -33,6 +35,7 @@ def story() -> ExampleSession:
     session.add(5, m.ActionRequested(run="a1", action="Map", source="key"), said("c2", "key", "a1"))
     session.add(5, SuggestTaken(set="s2", item="1", how="own_key", run="a1"))
     session.add(6, SuggestOffered(set="s3", source="logs", items=map_))
+    session.add(6, SuggestShown(set="s3", items=["1"], after_us=500_000))
     session.add(7, m.ActionRequested(run="a2", action="Bye", source="key"), said("c3", "key", "a2"))
     session.add(7, SuggestGone(set="s3", how="other_act"))
     return session
@@ -51,6 +54,7 @@ def test_each_set_has_a_row_with_its_end() -> None:
         ("s2", "own_key", 1_000_000, True),
         ("s3", "other_act", 1_000_000, False),
     ]
+    assert [row.is_ignored for row in rows] == [False, False, True]
     assert rows[0].distance is not None
     assert 0 < rows[0].distance < 0.2
     assert rows[2].distance is None
@@ -73,13 +77,38 @@ def test_each_sentence_has_its_origin() -> None:
 
 
 def test_the_report_and_the_methods_section_say_it() -> None:
-    sets, origins = FIGURES.tables(counted())
-    assert [str(cell) for cell in sets.rows[1]][2:6] == ["1", "0", "1", "0"]
-    assert len(origins.rows) == 3
+    sets, course, origins = FIGURES.tables(counted())
+    logs, mcp = (dict(zip(sets.heads, map(str, row), strict=True)) for row in sets.rows)
+    assert [logs[head] for head in ("Sets", "Shown", "Own key", "Ignored")] == ["2", "1", "1", "1"]
+    assert (mcp["Changed"], mcp["Shown"], mcp["Taken after"]) == ("1", "0", "2 s")
+    assert logs["Shown after"] == "0.5 s"
+    assert not course.rows, "three sets have no course"
+    assert [[*map(str, row)][1:] for row in origins.rows] == [["1", "33.3 %", "1.00", "0.0 %"]] * 3
     (sentence,) = FIGURES.methods([counted()])
     assert "3 sets of proposals, 67 % of which the wizard took (1 sentence changed before)" in (
         sentence
     )
+
+
+def test_thirds_of_a_session_tell_of_drift() -> None:
+    session = ExampleSession()
+    for n in range(9):
+        session.add(
+            n, SuggestOffered(set=f"s{n}", source="model", items=[ProposedItem("1", text="Hm?")])
+        )
+        how = SuggestGone(set=f"s{n}", how="expired")
+        session.add(n, SuggestTaken(set=f"s{n}", item="1", how="key") if n > 5 else how)
+    figures = figures_of(in_time(session.end(20))).features["proposals"]
+    _, course, _ = FIGURES.tables(figures)
+    assert [str(row[2]) for row in course.rows] == ["0.0 %", "0.0 %", "100.0 %"]
+
+
+def test_many_sessions_are_counted_by_wizard() -> None:
+    gathered = GatheredProposals()
+    for _ in range(2):
+        gathered.add("study", figures_of(in_time(story().end(9))))
+    (table,) = gathered.tables("study", ())
+    assert [str(row[3]) for row in table.rows] == ["4", "2"]
 
 
 def test_the_table_of_exports_has_a_row_for_each_set() -> None:

@@ -12,6 +12,7 @@ from tests.console.piloting import ConsolePilot, piloted_console
 from tests.features.phases.test_phases_on_screen import at
 from woz_tui.features.proposals.kinds import (
     AskDismiss,
+    AskShown,
     AskTake,
     ProposedItem,
     SuggestGone,
@@ -72,6 +73,28 @@ async def test_what_matters_of_it_can_be_read(
     async with piloted_console(size=size) as pilot:
         await told(pilot, ON, offered(1, items=[item], approval=True))
         assert f"mcp asks: {shown}" in " ".join(pilot.drawn().split())
+
+
+async def test_what_stands_on_the_screen_is_told_once() -> None:
+    async with piloted_console(size=(80, 24)) as pilot:
+        texts = [offered(1, "One?", "Two?"), offered(2, "Three?")]
+        await told(pilot, ON, *texts)
+        await pilot.press("down")
+        asked = [each for each in pilot.feed.asked if isinstance(each, AskShown)]
+        assert [(each.set, each.items) for each in asked] == [("s1", ["1", "2"])]
+        await told(pilot, SuggestGone(set="s1", how="expired"))
+        asked = [each for each in pilot.feed.asked if isinstance(each, AskShown)]
+        assert asked[-1].set == "s2", "the third had no place"
+
+
+async def test_of_likely_actions_only_those_are_shown_for_which_there_is_room() -> None:
+    async with piloted_console(size=(80, 24)) as pilot:
+        items = [ProposedItem(str(i), action="Hello" * i * 3) for i in range(1, 4)]
+        likely = SuggestOffered(set="s1", source="logs", items=items)
+        await told(pilot, SuggestSettings(sources=["logs"]), likely)
+        asked = pilot.feed.last(AskShown)
+        assert isinstance(asked, AskShown)
+        assert asked.items == ["1", "2"]
 
 
 async def test_the_key_takes_what_stands_there_by_its_set() -> None:

@@ -223,7 +223,8 @@ class FeatureConsole:
     what the end would cut off, in sentences. `value`: what stands behind the trial in the first
     status row. `begins`: the id of the key of what is to begin before there is a script, and what,
     in words; without a key, why nothing is; None: as otherwise. `asks`: what it asks for
-    before actions are played. `describes`: what it asks of participants.
+    before actions are played. `describes`: what it asks of participants. `shown`: requests that
+    tell of what the last painting showed, given the whole screen; nobody reads their replies.
     """
 
     commands: tuple[FeatureCommand, ...] = ()
@@ -243,6 +244,7 @@ class FeatureConsole:
     begins: Callable[[ConsoleState], tuple[str, str] | None] | None = None
     asks: AskedWords | None = None
     describes: ParticipantForm | None = None
+    shown: Callable[[ConsoleState, PaintFrame], Iterable[Request]] | None = None
 
 
 def between_trials() -> Iterator[tuple[str, BetweenTrials]]:

@@ -18,6 +18,7 @@ class Proposals(Feature):
     history = "history:ProposalHistory"
     export = "export:EXPORT"
     figures = "figures:FIGURES"
+    gathered = "gathered:GatheredProposals"
     report = "report:REPORT"
     command = CommandLine(
         name="suggest",

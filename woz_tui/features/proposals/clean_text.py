@@ -19,6 +19,11 @@ def cleaned(text: str) -> str:
     return " ".join("".join(kept).split())
 
 
+def is_question(text: str) -> bool:
+    """Whether a sentence of it asks something."""
+    return any(sign in text for sign in "?\uff1f\u061f")
+
+
 def without_variables(value: Json) -> Json:
     """With the braces of its texts doubled: they are said as they are read."""
     if isinstance(value, str):

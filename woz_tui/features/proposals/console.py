@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from woz_tui.console.drawing.cells import Row, clean, cut, length, spread, wrap_row
@@ -13,7 +13,7 @@ from woz_tui.console.state.event_sentences import EventContext, EventLine
 from woz_tui.console.widgets.bottom_rows import quotation
 from woz_tui.console.widgets.feature_console import Board, FeatureCommand, FeatureConsole
 from woz_tui.features.proposals.history import ProposalHistory
-from woz_tui.features.proposals.kinds import ProposedItem, SuggestGone, SuggestTaken
+from woz_tui.features.proposals.kinds import AskShown, ProposedItem, SuggestGone, SuggestTaken
 from woz_tui.features.proposals.notes import PLACES, ShownItem, ShownProposals
 from woz_tui.protocol.envelope import Json
 
@@ -50,6 +50,8 @@ def _rows(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
     settings = state.session.history(ProposalHistory).settings
     logs = settings is not None and "logs" in settings.sources
     inner = replace(frame, height=frame.height - logs)
+    if (notes := state.study.notes.of(ShownProposals)) is not None:
+        notes.settle(inner.height)
     rows: list[Row] = [_likely(state, frame)] if logs else []
     for place, shown in enumerate(places_of(state)[: inner.height]):
         if shown is not None or len(rows) <= place + logs:
@@ -59,13 +61,43 @@ def _rows(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
 
 def _likely(state: ConsoleState, frame: PaintFrame) -> Row:
     """Likely actions with their own keys: what is learnt there stays true tomorrow."""
+    row, _ = _likely_items(state, frame)
+    return cut(row, frame.width, frame.glyphs.ellipsis)
+
+
+def _likely_items(state: ConsoleState, frame: PaintFrame) -> tuple[Row, list[ShownItem]]:
+    """The row, and what of it there is room for."""
     sets = state.session.history(ProposalHistory).sets.values()
-    items = next((each.offered.items for each in sets if each.offered.source == "logs"), [])
+    offered = next((each.offered for each in sets if each.offered.source == "logs"), None)
     row: Row = ((" likely ", "title"),)
-    for item in items:
+    seen: list[ShownItem] = []
+    for item in offered.items if offered is not None else ():
         cap = state.keys.get(item.action, "") or frame.glyphs.dash
         row += ((f" {cap} ", "key"), (f" {clean(state.label(item.action))}  ", "strong"))
-    return cut(row, frame.width, frame.glyphs.ellipsis)
+        if offered is not None and length(row) <= frame.width + 2:  # blanks may be cut off
+            seen.append(ShownItem(offered, item))
+    return row, seen
+
+
+def _just_shown(state: ConsoleState, frame: PaintFrame) -> Iterator[AskShown]:
+    """Tells of each item when it stands on the wizard's screen for the first time. `frame`: of the
+    whole screen.
+    """
+    notes = state.study.notes.of(ShownProposals)
+    lines = _lines(state, frame.height)
+    if notes is None or not lines or state.role != "wizard":
+        return
+    settings = state.session.history(ProposalHistory).settings
+    logs = settings is not None and "logs" in settings.sources
+    seen = _likely_items(state, frame)[1] if logs else []
+    seen += [each for each in notes.places[: lines - logs] if each is not None]
+    new: dict[str, list[str]] = {}
+    for offered, item in seen:
+        if (offered.set, item.id) not in notes.told:
+            notes.told.add((offered.set, item.id))
+            new.setdefault(offered.set, []).append(item.id)
+    for name, items in new.items():
+        yield AskShown(set=name, items=items)
 
 
 def _place(
@@ -173,4 +205,5 @@ CONSOLE = FeatureConsole(
         FeatureCommand(NONE, calls=f"{_KEYS_MODULE}:dismiss_first", found=False),
     ),
     board=Board(_lines, _rows),
+    shown=_just_shown,
 )

@@ -18,6 +18,7 @@ EXPORT = FeatureExport(
             "suggest.gone",
             "suggest.ranked",
             "suggest.asked",
+            "suggest.shown",
         )
     },
     settings=("suggest.settings", "suggest.model"),
@@ -28,6 +29,7 @@ EXPORT = FeatureExport(
         "suggest.ranked": ("set", "reasons"),
         "suggest.taken": ("set", "item", "how", "run", "console"),
         "suggest.gone": ("set", "how"),
+        "suggest.shown": ("set", "items", "console"),
     },
     ids=("set",),
     of_session=("suggest.settings", "suggest.model"),

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from difflib import SequenceMatcher
 from statistics import median
+from typing import Any
 
 from woz_tui.analysis.event_rows import ContextRow, context_fields
 from woz_tui.analysis.feature_figures import FeatureFigures, Instant
 from woz_tui.analysis.report_table import LogText, ReportTable
-from woz_tui.analysis.text_format import NONE, counted, in_seconds, listed
+from woz_tui.analysis.text_format import NONE, counted, digits, in_seconds, listed, percent
+from woz_tui.features.proposals.clean_text import is_question
 from woz_tui.features.proposals.history import SuggestionEpisode
 from woz_tui.features.proposals.rights import HANDS
 from woz_tui.protocol import messages as m
@@ -21,6 +23,8 @@ from woz_tui.timeline.timeline import Timeline
 
 #: Ends of a set that the wizard took.
 TAKEN = ("key", "edited", "own_key")
+#: Ends with which it was passed over, if it could be seen.
+_IGNORED = ("other_act", "expired", "superseded")
 #: Ends that say nothing of the wizard.
 _NOT_SEEN = ("end", "moved_on", "reloaded", "withdrawn", "stop")
 #: Where a sentence comes from: a person's key, the script, the robot itself, what was proposed ...
@@ -29,9 +33,10 @@ _ORIGINS = {"palette": "key", "midi": "key", "gamepad": "key", "stream-deck": "k
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetRow(ContextRow):
-    """A set. `outcome`: how it ended; empty: no end is in the log. `distance`: how much of the
-    sentence was changed, 0 to 1; None: nothing was taken. `was_right`: whether the wizard's next
-    act was among its actions; None: it has none.
+    """A set. `outcome`: how it ended; empty: no end is in the log. `shown_us`: from the offer until
+    something of it stood on a screen; None: it never did, or the log is older than that line.
+    `distance`: how much of the sentence was changed, 0 to 1; None: nothing was taken. `was_right`:
+    whether the wizard's next act was among its actions; None: it has none.
     """
 
     set: str
@@ -43,16 +48,42 @@ class SetRow(ContextRow):
     t: int
     outcome: str
     after_us: int | None
+    shown_us: int | None
     distance: float | None
     was_right: bool | None
+
+    @property
+    def is_taken(self) -> bool:
+        """Whether the wizard took something of it."""
+        return self.outcome in TAKEN
+
+    @property
+    def is_ignored(self) -> bool:
+        """Whether it could be seen, and the wizard did something else, or nothing."""
+        return self.shown_us is not None and self.outcome in _IGNORED
+
+
+@dataclass(frozen=True, slots=True)
+class SaidSentence:
+    """Something that the robot said, and where that came from."""
+
+    t: int
+    origin: str
+    words: int
+    asks: bool
 
 
 @dataclass(frozen=True, slots=True)
 class ProposalFigures:
-    """The sets of a session, and how many sentences came from where."""
+    """The sets of a session, and its sentences."""
 
     sets: tuple[SetRow, ...] = ()
-    origins: Mapping[str, int] = field(default_factory=dict)
+    said: tuple[SaidSentence, ...] = ()
+
+    @property
+    def origins(self) -> Mapping[str, int]:
+        """How many sentences came from where."""
+        return Counter(each.origin for each in self.said)
 
 
 class CountedProposals(FeatureFigures):
@@ -63,7 +94,12 @@ class CountedProposals(FeatureFigures):
 
     def count(self, timeline: Timeline) -> ProposalFigures | None:
         sets = tuple(_rows(timeline))
-        return ProposalFigures(sets, _origins(timeline)) if sets else None
+        return ProposalFigures(sets, tuple(_said(timeline))) if sets else None
+
+    def values(self, name: str, figures: ProposalFigures | None) -> Mapping[str, Any]:
+        if figures is None:
+            return {self.key: None}
+        return {self.key: {"sets": figures.sets, "origins": {**figures.origins}}}
 
     def instant(self, episode: Episode) -> Instant | None:
         if not isinstance(episode, SuggestionEpisode) or episode.taken is None:
@@ -75,20 +111,9 @@ class CountedProposals(FeatureFigures):
         for each in figures.sets:
             by.setdefault((each.who or each.source, each.condition), []).append(each)
         rows = [_cells(who, condition, sets) for (who, condition), sets in sorted(by.items())]
-        heads = ["Proposed by", "Condition", "Sets", "Taken", "Changed", "Own key", "Declined"]
-        yield ReportTable(
-            "Proposals", [*heads, "Expired", "Other act", "Taken after"], rows, words=2
-        )
-        total = sum(figures.origins.values())
-        yield ReportTable(
-            "Where sentences came from",
-            ["From", "Sentences", "Share"],
-            [
-                (LogText(name), str(n), f"{100 * n / total:.0f} %")
-                for name, n in sorted(figures.origins.items())
-            ],
-            words=1,
-        )
+        yield ReportTable("Proposals", SET_HEADS, rows, words=2)
+        yield _course(figures.sets)
+        yield _origins(figures.said)
 
     def methods(self, sessions: Sequence[ProposalFigures]) -> Iterator[str]:
         sets = [each for session in sessions for each in session.sets]
@@ -111,16 +136,74 @@ class CountedProposals(FeatureFigures):
         )
 
 
-def _cells(who: str, condition: str, sets: Sequence[SetRow]) -> tuple[str | LogText, ...]:
+SET_HEADS = (
+    *("Proposed by", "Condition", "Sets", "Shown", "Taken", "Changed", "Own key", "Ignored"),
+    *("Declined", "Expired", "Other act", "Shown after", "Taken after", "95 % within"),
+)
+
+
+def set_cells(sets: Sequence[SetRow]) -> tuple[str, ...]:
+    """What became of sets, behind the words that say which."""
     ends = Counter(each.outcome for each in sets)
-    after = [each.after_us for each in sets if each.outcome in TAKEN and each.after_us is not None]
+    shown = [each.shown_us for each in sets if each.shown_us is not None]
+    after = [each.after_us for each in sets if each.is_taken and each.after_us is not None]
     return (
-        LogText(who),
-        LogText(condition),
-        str(len(sets)),
-        *(str(ends[name]) for name in (*TAKEN, "dismissed", "expired", "other_act")),
-        f"{in_seconds(round(median(after)))} s" if after else NONE,
+        *(str(len(sets)), str(len(shown))),
+        *(str(ends[name]) for name in TAKEN),
+        str(sum(each.is_ignored for each in sets)),
+        *(str(ends[name]) for name in ("dismissed", "expired", "other_act")),
+        *(_seconds(median(shown) if shown else None), _seconds(median(after) if after else None)),
+        _seconds(_percentile_95(after)),
     )
+
+
+def _cells(who: str, condition: str, sets: Sequence[SetRow]) -> tuple[str | LogText, ...]:
+    return (LogText(who), LogText(condition), *set_cells(sets))
+
+
+def _seconds(us: float | None) -> str:
+    return NONE if us is None else f"{in_seconds(round(us))} s"
+
+
+def _percentile_95(values: Sequence[int]) -> float | None:
+    return sorted(values)[min(len(values) - 1, int(0.95 * len(values)))] if values else None
+
+
+def _course(sets: Sequence[SetRow]) -> ReportTable:
+    """Whether wizards take more or less of it as the session goes on: thirds of the sets that say
+    something of the wizard, where each has at least three.
+    """
+    seen = [each for each in sets if each.outcome not in _NOT_SEEN]
+    size = len(seen) // 3
+    thirds = (seen[:size], seen[size:-size], seen[-size:]) if size >= 3 else ()
+    rows = [
+        (
+            *(LogText(name), str(len(third))),
+            percent(sum(each.is_taken for each in third) / len(third)),
+            percent(sum(each.outcome == "edited" for each in third) / len(third)),
+            percent(sum(each.is_ignored for each in third) / len(third)),
+        )
+        for name, third in zip(("first", "second", "last"), thirds, strict=False)
+    ]
+    heads = ("Third of the sets", "Sets", "Taken", "Changed", "Ignored")
+    return ReportTable("Proposals in the course of the session", heads, rows, words=1)
+
+
+def _origins(said: Sequence[SaidSentence]) -> ReportTable:
+    """Where sentences came from, and whether proposed ones differ from the others."""
+    by: dict[str, list[SaidSentence]] = {}
+    for each in said:
+        by.setdefault(each.origin, []).append(each)
+    rows = [
+        (
+            *(LogText(name), str(len(those)), percent(len(those) / len(said))),
+            digits(sum(each.words for each in those) / len(those)),
+            percent(sum(each.asks for each in those) / len(those)),
+        )
+        for name, those in sorted(by.items())
+    ]
+    heads = ("From", "Sentences", "Share", "Words, mean", "Questions")
+    return ReportTable("Where sentences came from", heads, rows, words=1)
 
 
 def _rows(timeline: Timeline) -> Iterator[SetRow]:
@@ -144,6 +227,7 @@ def _rows(timeline: Timeline) -> Iterator[SetRow]:
             t=each.begin,
             outcome="" if each.end is None or each.cut else each.outcome,
             after_us=None if each.end is None else each.duration,
+            shown_us=None if each.shown is None else each.shown.after_us,
             distance=None if taken is None else _distance(each),
             was_right=following in actions if actions and following is not None else None,
         )
@@ -157,23 +241,21 @@ def _distance(each: SuggestionEpisode) -> float:
     return round(1 - SequenceMatcher(None, text, taken.text, autojunk=False).ratio(), 3)
 
 
-def _origins(timeline: Timeline) -> dict[str, int]:
-    """What was said, by where it came from: each speaking command belongs to one."""
+def _said(timeline: Timeline) -> Iterator[SaidSentence]:
+    """What was said, and where it came from: each speaking command belongs to one source."""
     proposed = {
         each.taken.run: each.offered.source
         for each in timeline.of(SuggestionEpisode)
         if each.taken is not None and each.taken.run
     }
-    found: Counter[str] = Counter()
     for each in timeline.of(CommandEpisode):
         request = each.request
         if request.verb not in SPEAKING_VERBS:
             continue
         source = proposed.get(request.run) or proposed.get(request.command)
-        found[
-            f"proposed: {source}" if source else _ORIGINS.get(request.source, request.source)
-        ] += 1
-    return dict(found)
+        origin = f"proposed: {source}" if source else _ORIGINS.get(request.source, request.source)
+        text = str(request.args.get("text", ""))
+        yield SaidSentence(each.begin, origin, len(text.split()), is_question(text))
 
 
 FIGURES = CountedProposals()

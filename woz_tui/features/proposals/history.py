@@ -14,6 +14,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestOffered,
     SuggestRanked,
     SuggestSettings,
+    SuggestShown,
     SuggestTaken,
 )
 from woz_tui.protocol import messages as m
@@ -23,12 +24,15 @@ from woz_tui.timeline.session_state import SessionState, moment
 
 
 class SuggestionEpisode(Episode, frozen=True, kw_only=True):
-    """A set from its offer to its end, which is `taken` or `gone`."""
+    """A set from its offer to its end, which is `taken` or `gone`. `shown`: the first time that
+    something of it stood on a screen.
+    """
 
     kind = "suggestion"
     offered: SuggestOffered
     taken: SuggestTaken | None = None
     gone: SuggestGone | None = None
+    shown: SuggestShown | None = None
 
     @property
     def label(self) -> str:
@@ -64,6 +68,12 @@ class ProposalHistory(FeatureHistory):
         self.sets[message.set] = offered
         return (offered,)
 
+    def _show(self, message: SuggestShown, state: SessionState) -> Iterable[Episode]:
+        before = self.sets.get(message.set)
+        if before is not None and before.shown is None:
+            self.sets[message.set] = replace(before, shown=message)
+        return moment(message, state.t)
+
     def _end(self, message: SuggestTaken | SuggestGone, state: SessionState) -> Iterable[Episode]:
         """One that is not open any more is a moment: each set ends once."""
         before = self.sets.pop(message.set, None)
@@ -84,6 +94,7 @@ class ProposalHistory(FeatureHistory):
         SuggestAsked: _rank,
         SuggestOffered: _offer,
         SuggestRanked: _rank,
+        SuggestShown: _show,
         SuggestTaken: _end,
         SuggestGone: _end,
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, ClassVar
 
@@ -24,6 +24,7 @@ from woz_tui.features.proposals.kinds import (
     AskDismiss,
     AskModelTold,
     AskPropose,
+    AskShown,
     AskTake,
     ProposedItem,
     SuggestAsked,
@@ -32,6 +33,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestOffered,
     SuggestRanked,
     SuggestSettings,
+    SuggestShown,
     SuggestTaken,
 )
 from woz_tui.features.proposals.likely_acts import LikelyActs
@@ -74,6 +76,8 @@ class _OpenSet:
     timer: asyncio.TimerHandle | None = None
     request: r.AskVerb | r.AskAction | None = None
     decide: Decide | None = None
+    #: Items that stood on a screen, with the console.
+    shown: set[tuple[str, str]] = field(default_factory=set)
 
     def item(self, name: str) -> ProposedItem:
         """Raises `RequestError` if there is none of that id."""
@@ -86,7 +90,7 @@ class _OpenSet:
 class ProposalsInSession(SessionFeature):
     """All sets of a session."""
 
-    requests = (AskTake, AskDismiss, AskPropose, AskModelTold)
+    requests = (AskTake, AskDismiss, AskPropose, AskModelTold, AskShown)
 
     def __init__(self, session: FeatureSession) -> None:
         super().__init__(session)
@@ -231,7 +235,7 @@ class ProposalsInSession(SessionFeature):
     # -- requests ----------------------------------------------------------------------------------
 
     def carry_out(
-        self, request: AskTake | AskDismiss | AskPropose | AskModelTold, client: Client
+        self, request: AskTake | AskDismiss | AskPropose | AskModelTold | AskShown, client: Client
     ) -> str:
         if isinstance(request, AskModelTold):
             self._log_model(request, client)
@@ -241,6 +245,9 @@ class ProposalsInSession(SessionFeature):
             return ""
         if client.role != "wizard":
             raise RequestError("only a wizard takes what is proposed")
+        if isinstance(request, AskShown):
+            self._show(request, client)
+            return ""
         if (found := self._open.get(request.set)) is None:
             raise RequestError("this proposal has gone", "look at what is offered now")
         if isinstance(request, AskDismiss):
@@ -251,6 +258,18 @@ class ProposalsInSession(SessionFeature):
         if self.session.hub.now() - found.since < SETTLE_US:
             raise RequestError("not taken: the proposal had only just come", "press it again")
         return self._take(request, client, found)
+
+    def _show(self, request: AskShown, client: Client) -> None:
+        """Once for each item and console; what has gone meanwhile nobody asks about."""
+        if (found := self._open.get(request.set)) is None:
+            return
+        there = [item.id for item in found.offered.items if item.id in request.items]
+        new = [item for item in there if (item, client.console) not in found.shown]
+        if new:
+            found.shown.update((item, client.console) for item in new)
+            after = self.session.hub.now() - found.since
+            shown = SuggestShown(set=request.set, items=new, after_us=after, console=client.console)
+            self.session.hub.publish(shown)
 
     def _log_model(self, request: AskModelTold, client: Client) -> None:
         """What a model was asked is in the log, whatever comes of it."""

@@ -92,6 +92,18 @@ class SuggestRanked(Message, frozen=True, kw_only=True, tag="suggest.ranked"):
     scores: list[float]
 
 
+class SuggestShown(Message, frozen=True, kw_only=True, tag="suggest.shown"):
+    """These `items` of a set stood on the screen of a wizard for the first time; whether they were
+    read nobody knows. `after_us`: from the offer.
+    """
+
+    names_console = True
+    set: str
+    items: list[str]
+    after_us: int = 0
+    console: str = ""
+
+
 class SuggestTaken(RestrictedMessage, frozen=True, kw_only=True, tag="suggest.taken"):
     """A set ended: the wizard took `item`. `how`: key; edited (`text` was said in its place);
     own_key (the action was played by its own key). `run`: what came of it, an action's run or a
@@ -140,6 +152,13 @@ class AskDismiss(Request, frozen=True, kw_only=True, tag="dismiss"):
     set: str
 
 
+class AskShown(Request, frozen=True, kw_only=True, tag="shown"):
+    """Of a wizard's console: these `items` of the set `set` stand on its screen now."""
+
+    set: str
+    items: list[str]
+
+
 class AskPropose(Request, frozen=True, kw_only=True, tag="propose"):
     """Offer the wizard up to three sentences (`texts`) or actions by their names, for `within`
     seconds. They stand in place of what this program proposed before. The reply's `data` has
@@ -173,11 +192,11 @@ class AskModelTold(Request, frozen=True, kw_only=True, tag="model-told"):
 
 MESSAGES = (
     *(SuggestSettings, SuggestModel, SuggestAsked),
-    *(SuggestOffered, SuggestRanked, SuggestTaken, SuggestGone),
+    *(SuggestOffered, SuggestRanked, SuggestTaken, SuggestGone, SuggestShown),
 )
 KINDS = FeatureKinds(
     messages=MESSAGES,
-    requests=(AskTake, AskDismiss, AskPropose, AskModelTold),
-    open=(SuggestSettings, SuggestModel, SuggestGone),
-    unlisted=(SuggestRanked, SuggestAsked),
+    requests=(AskTake, AskDismiss, AskPropose, AskModelTold, AskShown),
+    open=(SuggestSettings, SuggestModel, SuggestGone, SuggestShown),
+    unlisted=(SuggestRanked, SuggestAsked, SuggestShown),
 )

@@ -33,6 +33,8 @@ class ShownProposals(FeatureNotes):
     def __init__(self, session: SessionState) -> None:
         super().__init__(session)
         self.places: list[ShownItem | None] = [None] * PLACES
+        #: What this console has told of, by set and item.
+        self.told: set[tuple[str, str]] = set()
 
     def apply(self, message: SuggestOffered | SuggestTaken | SuggestGone) -> StudyNews | None:
         self.follow()
@@ -41,6 +43,7 @@ class ShownProposals(FeatureNotes):
     def follow(self) -> None:
         """Nothing that stays moves."""
         sets = self.session.history(ProposalHistory).sets
+        self.told = {(name, item) for name, item in self.told if name in sets}
         for place, shown in enumerate(self.places):
             if shown is not None and shown.offered.set not in sets:
                 self.places[place] = None
@@ -54,3 +57,10 @@ class ShownProposals(FeatureNotes):
         for place, shown in enumerate(self.places):
             if shown is None and coming:
                 self.places[place] = coming.pop(0)
+
+    def settle(self, rows: int) -> None:
+        """Give what has no row on this screen an empty one: nobody has seen it move."""
+        for place in range(rows, PLACES):
+            if self.places[place] is not None and None in self.places[:rows]:
+                self.places[self.places.index(None)] = self.places[place]
+                self.places[place] = None

@@ -6,11 +6,12 @@ from typing import Any
 
 from woz_tui.analysis.feature_report import FeatureReport
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.tables import SETTINGS, Column, TableDefinition
+from woz_tui.analysis.tables import SESSIONS, SETTINGS, Column, TableDefinition
 from woz_tui.features.proposals.figures import ProposalFigures, SetRow
 from woz_tui.system.text_cleaning import seconds as exact
 
 _PLACES: dict[str, Column[Any]] = {column.name: column for column in SETTINGS.columns}
+_WIZARD: Column[Any] = next(each for each in SESSIONS.columns if each.name == "wizard")
 _NOTHING = ProposalFigures()
 
 
@@ -32,6 +33,7 @@ SUGGESTIONS: TableDefinition[SetRow] = TableDefinition(
             _PLACES[each]
             for each in ("log", "session", "participant", "condition", "trial", "phase")
         ),
+        _WIZARD,
         _of("set", "string", "id of the set"),
         _of("source", "string", "what proposed it: logs, model or program"),
         _of("who", "string", "name of the program"),
@@ -48,6 +50,19 @@ SUGGESTIONS: TableDefinition[SetRow] = TableDefinition(
             *("after", "number", "from the offer to its end"),
             lambda _, row: None if row.after_us is None else exact(row.after_us),
             "s",
+        ),
+        Column(
+            *("shown_after", "number", "from the offer until it stood on a screen; empty: never"),
+            lambda _, row: None if row.shown_us is None else exact(row.shown_us),
+            "s",
+        ),
+        Column(
+            *(
+                "ignored",
+                "boolean",
+                "it stood on a screen, and something else was done, or nothing",
+            ),
+            lambda _, row: row.is_ignored,
         ),
         _of("distance", "number", "how much of the sentence was changed, 0 to 1"),
         _of("was_right", "boolean", "the wizard's next act was one of its actions"),

@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 from woz_tui.log.log_reader import Damage, LogLine, files_of, merge
+from woz_tui.protocol.envelope import Message
+from woz_tui.protocol.kinds import ended_kinds
+
+
+def _tag(kind: type[Message]) -> str:
+    return str(kind.__struct_config__.tag)
+
 
 #: What asks for something, and the field that names it in the request and in its end.
-_OPENS = {"action.requested": "run", "command.requested": "command"}
+_OPENS = {
+    "action.requested": "run",
+    "command.requested": "command",
+}
 _CLOSES = {
     **{f"action.{end}": "run" for end in ("done", "failed", "stopped", "superseded", "refused")},
     **{
@@ -18,6 +29,16 @@ _CLOSES = {
         for end in ("done", "failed", "timed_out", "refused", "stopped", "superseded")
     },
 }
+
+
+@cache
+def _ends() -> tuple[Mapping[str, str], Mapping[str, str]]:
+    """Both, with those of features."""
+    kinds = ended_kinds()
+    return (
+        {**_OPENS, **{_tag(each.begin): each.id for each in kinds}},
+        {**_CLOSES, **{_tag(end): each.id for each in kinds for end in each.ends}},
+    )
 
 
 @dataclass
@@ -118,7 +139,8 @@ class _Checker:
             self._verdict.broken_after = self._sound_to
 
     def _count_ends(self, line: LogLine) -> None:
-        opens, closes = _OPENS.get(line.kind), _CLOSES.get(line.kind)
+        begun, ended = _ends()
+        opens, closes = begun.get(line.kind), ended.get(line.kind)
         name = opens or closes
         if name is None or not isinstance(line.fields.get(name), str):
             return

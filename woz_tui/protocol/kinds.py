@@ -17,13 +17,23 @@ if TYPE_CHECKING:  # a console needs none of it
 
 
 @dataclass(frozen=True, slots=True)
+class EndedKind:
+    """A message that is followed by exactly one of its `ends`; all name it in the field `id`."""
+
+    begin: type[Message]
+    ends: tuple[type[Message], ...]
+    id: str
+
+
+@dataclass(frozen=True, slots=True)
 class FeatureKinds:
     """What a feature adds to the protocol.
 
     `open`: those of its messages that tell nothing of the condition, the visitor or what somebody
     said. Any other reaches those alone who may know everything, unless it is a `RestrictedMessage`,
     which says itself what it tells. `unlisted`: those of which no list of events has a line.
-    `for_participants`: those that a participant's terminal gets.
+    `for_participants`: those that a participant's terminal gets. `ended`: those that have an end,
+    which `woz replay --verify` looks for.
     """
 
     messages: tuple[type[Message], ...] = ()
@@ -32,6 +42,7 @@ class FeatureKinds:
     open: tuple[type[Message], ...] = ()
     unlisted: tuple[type[Message], ...] = ()
     for_participants: tuple[type[Message], ...] = ()
+    ended: tuple[EndedKind, ...] = ()
 
 
 @cache
@@ -101,6 +112,13 @@ def participant_kinds() -> tuple[type[Message], ...]:
     """Messages of features that a participant's terminal gets."""
     of_features = _of_features()
     return tuple(kind for each in of_features for kind in each.for_participants)
+
+
+@cache
+def ended_kinds() -> tuple[EndedKind, ...]:
+    """Messages of features that have exactly one end each."""
+    of_features = _of_features()
+    return tuple(kind for each in of_features for kind in each.ended)
 
 
 @cache

@@ -7,7 +7,7 @@ from typing import Literal
 import msgspec
 
 from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
-from woz_tui.protocol.kinds import FeatureKinds
+from woz_tui.protocol.kinds import EndedKind, FeatureKinds
 from woz_tui.protocol.requests import Request
 
 
@@ -199,4 +199,5 @@ KINDS = FeatureKinds(
     requests=(AskTake, AskDismiss, AskPropose, AskModelTold, AskShown),
     open=(SuggestSettings, SuggestModel, SuggestGone, SuggestShown),
     unlisted=(SuggestRanked, SuggestAsked, SuggestShown),
+    ended=(EndedKind(SuggestOffered, (SuggestTaken, SuggestGone), "set"),),
 )

@@ -7,7 +7,9 @@ from woz_tui.features.proposals.figures import FIGURES, ProposalFigures
 from woz_tui.features.proposals.gathered import GatheredProposals
 from woz_tui.features.proposals.kinds import (
     ProposedItem,
+    SuggestAsked,
     SuggestGone,
+    SuggestModel,
     SuggestOffered,
     SuggestShown,
     SuggestTaken,
@@ -77,7 +79,7 @@ def test_each_sentence_has_its_origin() -> None:
 
 
 def test_the_report_and_the_methods_section_say_it() -> None:
-    sets, course, origins = FIGURES.tables(counted())
+    sets, course, origins, _ = FIGURES.tables(counted())
     logs, mcp = (dict(zip(sets.heads, map(str, row), strict=True)) for row in sets.rows)
     assert [logs[head] for head in ("Sets", "Shown", "Own key", "Ignored")] == ["2", "1", "1", "1"]
     assert (mcp["Changed"], mcp["Shown"], mcp["Taken after"]) == ("1", "0", "2 s")
@@ -99,7 +101,7 @@ def test_thirds_of_a_session_tell_of_drift() -> None:
         how = SuggestGone(set=f"s{n}", how="expired")
         session.add(n, SuggestTaken(set=f"s{n}", item="1", how="key") if n > 5 else how)
     figures = figures_of(in_time(session.end(20))).features["proposals"]
-    _, course, _ = FIGURES.tables(figures)
+    _, course, *_ = FIGURES.tables(figures)
     assert [str(row[2]) for row in course.rows] == ["0.0 %", "0.0 %", "100.0 %"]
 
 
@@ -109,6 +111,30 @@ def test_many_sessions_are_counted_by_wizard() -> None:
         gathered.add("study", figures_of(in_time(story().end(9))))
     (table,) = gathered.tables("study", ())
     assert [str(row[3]) for row in table.rows] == ["4", "2"]
+
+
+def test_the_methods_section_names_model_prompt_and_where_it_ran() -> None:
+    session = ExampleSession()
+    model = SuggestModel(
+        url="http://127.0.0.1:8080/v1", name="small", sampling={"seed": 1.0}, prompt="Suggest two."
+    )
+    session.add(0, model)
+    for second, error in ((1, ""), (2, "cancelled"), (3, "the model took longer than 2.5 s")):
+        session.add(
+            second,
+            SuggestAsked(
+                model="small-q4", fingerprint="fp1", took_us=600_000, first_us=90_000, error=error
+            ),
+        )
+    figures = figures_of(in_time(session.end(9))).features["proposals"]
+    *_, table = FIGURES.tables(figures)
+    (row,) = table.rows
+    assert [*map(str, row)][:5] == ["small-q4 (fp1)", "3", "1", "1", "1"]
+    said = next(iter(FIGURES.methods([figures, figures])))
+    for part in ("“small”", "“small-q4 (fp1)”", "seed 1", "the computer of the robot process"):
+        assert part in said
+    assert "asked 6 times (median 0.6 s) and failed 2 times" in said
+    assert "“Suggest two.”" in said
 
 
 def test_the_table_of_exports_has_a_row_for_each_set() -> None:

@@ -6,15 +6,23 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
-from statistics import median
 from typing import Any
 
 from woz_tui.analysis.event_rows import ContextRow, context_fields
 from woz_tui.analysis.feature_figures import FeatureFigures, Instant
 from woz_tui.analysis.report_table import LogText, ReportTable
-from woz_tui.analysis.text_format import NONE, counted, digits, in_seconds, listed, percent
+from woz_tui.analysis.text_format import counted, digits, listed, percent
 from woz_tui.features.proposals.clean_text import is_question
 from woz_tui.features.proposals.history import SuggestionEpisode
+from woz_tui.features.proposals.model_figures import (
+    ModelFigures,
+    about_models,
+    in_s,
+    median_of,
+    model_table,
+    models_of,
+    percentile_95,
+)
 from woz_tui.features.proposals.rights import HANDS
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import SPEAKING_VERBS
@@ -75,10 +83,11 @@ class SaidSentence:
 
 @dataclass(frozen=True, slots=True)
 class ProposalFigures:
-    """The sets of a session, and its sentences."""
+    """The sets of a session, its sentences, and the models that were asked."""
 
     sets: tuple[SetRow, ...] = ()
     said: tuple[SaidSentence, ...] = ()
+    models: tuple[ModelFigures, ...] = ()
 
     @property
     def origins(self) -> Mapping[str, int]:
@@ -94,12 +103,16 @@ class CountedProposals(FeatureFigures):
 
     def count(self, timeline: Timeline) -> ProposalFigures | None:
         sets = tuple(_rows(timeline))
-        return ProposalFigures(sets, tuple(_said(timeline))) if sets else None
+        models = tuple(models_of(timeline))
+        asked = any(each.requests for each in models)
+        said = tuple(_said(timeline))
+        return ProposalFigures(sets, said, models) if sets or asked else None
 
     def values(self, name: str, figures: ProposalFigures | None) -> Mapping[str, Any]:
         if figures is None:
             return {self.key: None}
-        return {self.key: {"sets": figures.sets, "origins": {**figures.origins}}}
+        told = {"sets": figures.sets, "origins": {**figures.origins}, "models": figures.models}
+        return {self.key: told}
 
     def instant(self, episode: Episode) -> Instant | None:
         if not isinstance(episode, SuggestionEpisode) or episode.taken is None:
@@ -114,6 +127,7 @@ class CountedProposals(FeatureFigures):
         yield ReportTable("Proposals", SET_HEADS, rows, words=2)
         yield _course(figures.sets)
         yield _origins(figures.said)
+        yield model_table(figures.models)
 
     def methods(self, sessions: Sequence[ProposalFigures]) -> Iterator[str]:
         sets = [each for session in sessions for each in session.sets]
@@ -128,6 +142,7 @@ class CountedProposals(FeatureFigures):
         edited = sum(each.outcome == "edited" for each in taken)
         share = f", {100 * len(taken) / len(seen):.0f} % of which the wizard took" if seen else ""
         changed = f" ({counted(edited, 'sentence')} changed before)" if edited else ""
+        yield from about_models([each for session in sessions for each in session.models])
         yield (
             f"In {counted(len(sessions), 'session')}"
             f" {listed([names.get(each, each) for each in sources])} offered the wizard"
@@ -152,21 +167,13 @@ def set_cells(sets: Sequence[SetRow]) -> tuple[str, ...]:
         *(str(ends[name]) for name in TAKEN),
         str(sum(each.is_ignored for each in sets)),
         *(str(ends[name]) for name in ("dismissed", "expired", "other_act")),
-        *(_seconds(median(shown) if shown else None), _seconds(median(after) if after else None)),
-        _seconds(_percentile_95(after)),
+        *(in_s(median_of(shown)), in_s(median_of(after))),
+        in_s(percentile_95(after)),
     )
 
 
 def _cells(who: str, condition: str, sets: Sequence[SetRow]) -> tuple[str | LogText, ...]:
     return (LogText(who), LogText(condition), *set_cells(sets))
-
-
-def _seconds(us: float | None) -> str:
-    return NONE if us is None else f"{in_seconds(round(us))} s"
-
-
-def _percentile_95(values: Sequence[int]) -> float | None:
-    return sorted(values)[min(len(values) - 1, int(0.95 * len(values)))] if values else None
 
 
 def _course(sets: Sequence[SetRow]) -> ReportTable:

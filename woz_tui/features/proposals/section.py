@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any
-from urllib.parse import urlsplit
 
 from woz_tui.config.annotated_decoder import Invalid, read_value
 from woz_tui.config.experiment import Experiment
@@ -19,6 +18,7 @@ from woz_tui.config.reload_changes import changed_entries, changed_settings
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import MappingNode
 from woz_tui.drivers.fields import Doc, NotBlank, OneOf, Pattern, Range, ReadApart, Seconds
+from woz_tui.features.proposals.addresses import host_of, is_local
 from woz_tui.features.proposals.rights import (
     ACTIONS,
     ONLY_PROPOSES,
@@ -49,11 +49,6 @@ class ModelSettings:
     temperature: Annotated[float, Range(0, 2), Doc("0: the likeliest words")] = 0.0
     seed: Annotated[int, Doc("asks for the same answer again, which no server promises")] = 1
     max_tokens: Annotated[int, Range(8, 400), Doc("length of an answer at the most")] = 80
-
-    @property
-    def is_local(self) -> bool:
-        """Whether nothing leaves this computer."""
-        return urlsplit(self.url).hostname in ("127.0.0.1", "localhost", "::1")
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,11 +112,10 @@ class ProposalSection(FeatureSection[Proposals | None]):
             if (rights := _rights(entry, contents)) is not None
         }
         suggest = file.suggest or SuggestKeysOfFile()
-        if suggest.model is not None and not suggest.model.is_local:
-            host = urlsplit(suggest.model.url).hostname
+        if suggest.model is not None and not is_local(suggest.model.url):
             table["suggest"].warning(
-                f"what visitors say is sent to {host}; say so in their consent, or serve a model"
-                " on a computer of your own"
+                f"what visitors say is sent to {host_of(suggest.model.url)}; say so in their"
+                " consent, or serve a model on a computer of your own"
             )
         return Proposals(suggest, {MCP: ONLY_PROPOSES, **programs})
 

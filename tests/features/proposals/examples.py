@@ -17,6 +17,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestSettings,
     SuggestShown,
     SuggestTaken,
+    SuggestTrial,
 )
 
 PROPOSALS = (
@@ -69,6 +70,7 @@ PROPOSALS = (
         error="it took too long",
     ),
     SuggestShown(set="s00002", items=["1", "2"], after_us=41_000, console="con1"),
+    SuggestTrial(trial=2, offered=False),
 )
 REQUESTS = (
     AskTake(ref=61, set="s00001", item="1", text="It is a blue whale.", key="f9", age_us=800),

@@ -13,7 +13,13 @@ from woz_tui.console.state.event_sentences import EventContext, EventLine
 from woz_tui.console.widgets.bottom_rows import quotation
 from woz_tui.console.widgets.feature_console import Board, FeatureCommand, FeatureConsole
 from woz_tui.features.proposals.history import ProposalHistory
-from woz_tui.features.proposals.kinds import AskShown, ProposedItem, SuggestGone, SuggestTaken
+from woz_tui.features.proposals.kinds import (
+    AskShown,
+    ProposedItem,
+    SuggestGone,
+    SuggestTaken,
+    SuggestTrial,
+)
 from woz_tui.features.proposals.notes import PLACES, ShownItem, ShownProposals
 from woz_tui.protocol.envelope import Json
 
@@ -108,7 +114,8 @@ def _place(
     if shown is None:
         if place or any(places_of(state)):
             return [((" ", "plain"),)]
-        return [((" nothing is proposed", "muted"),)]
+        quiet = state.session.history(ProposalHistory).is_quiet()
+        return [((f" nothing is proposed{' in this trial' * quiet}", "muted"),)]
     offered, item = shown
     who = clean(offered.who) or offered.source
     asks = f"{who} asks: " if offered.approval else f"{who}: "
@@ -176,6 +183,10 @@ def _argument(name: str, value: Json) -> str:
     return f"{name} {told}"
 
 
+def _trial(message: SuggestTrial, shown: EventContext) -> EventLine | None:
+    return None if message.offered else EventLine("info", "Nothing is proposed in this trial")
+
+
 def _taken(message: SuggestTaken, shown: EventContext) -> EventLine:
     how = {"edited": "Proposal changed and taken", "own_key": "Played as proposed"}
     return EventLine("info", how.get(message.how, "Proposal taken"), message.text)
@@ -193,7 +204,7 @@ def _gone(message: SuggestGone, shown: EventContext) -> EventLine | None:
     return EventLine("info", said) if said else None
 
 
-SENTENCES = {SuggestTaken: _taken, SuggestGone: _gone}
+SENTENCES = {SuggestTaken: _taken, SuggestGone: _gone, SuggestTrial: _trial}
 
 _KEYS_MODULE = f"{__package__}.dialog"
 CONSOLE = FeatureConsole(

@@ -19,6 +19,7 @@ EXPORT = FeatureExport(
             "suggest.ranked",
             "suggest.asked",
             "suggest.shown",
+            "suggest.trial",
         )
     },
     settings=("suggest.settings", "suggest.model"),
@@ -30,6 +31,7 @@ EXPORT = FeatureExport(
         "suggest.taken": ("set", "item", "how", "run", "console"),
         "suggest.gone": ("set", "how"),
         "suggest.shown": ("set", "items", "console"),
+        "suggest.trial": ("trial", "offered"),
     },
     ids=("set",),
     of_session=("suggest.settings", "suggest.model"),

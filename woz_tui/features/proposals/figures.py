@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import SequenceMatcher
 from typing import Any
 
-from woz_tui.analysis.event_rows import ContextRow, context_fields
+from woz_tui.analysis.event_rows import ContextRow, context_fields, moments
 from woz_tui.analysis.feature_figures import FeatureFigures, Instant
 from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.text_format import counted, digits, listed, percent
 from woz_tui.features.proposals.clean_text import is_question
 from woz_tui.features.proposals.history import SuggestionEpisode
+from woz_tui.features.proposals.kinds import SuggestTrial
 from woz_tui.features.proposals.model_figures import (
     ModelFigures,
     about_models,
@@ -83,11 +84,14 @@ class SaidSentence:
 
 @dataclass(frozen=True, slots=True)
 class ProposalFigures:
-    """The sets of a session, its sentences, and the models that were asked."""
+    """The sets of a session, its sentences, the models that were asked, and whether something was
+    offered in each trial, where chance decided that: by participant and trial.
+    """
 
     sets: tuple[SetRow, ...] = ()
     said: tuple[SaidSentence, ...] = ()
     models: tuple[ModelFigures, ...] = ()
+    drawn: Mapping[tuple[str, int], bool] = field(default_factory=dict)
 
     @property
     def origins(self) -> Mapping[str, int]:
@@ -106,7 +110,11 @@ class CountedProposals(FeatureFigures):
         models = tuple(models_of(timeline))
         asked = any(each.requests for each in models)
         said = tuple(_said(timeline))
-        return ProposalFigures(sets, said, models) if sets or asked else None
+        drawn = {
+            (context.participant, line.trial): line.offered
+            for context, line in moments(timeline, SuggestTrial)
+        }
+        return ProposalFigures(sets, said, models, drawn) if sets or asked or drawn else None
 
     def values(self, name: str, figures: ProposalFigures | None) -> Mapping[str, Any]:
         if figures is None:
@@ -140,11 +148,15 @@ class CountedProposals(FeatureFigures):
         seen = [each for each in sets if each.outcome not in _NOT_SEEN]
         taken = [each for each in seen if each.outcome in TAKEN]
         edited = sum(each.outcome == "edited" for each in taken)
+        drawn = [offered for session in sessions for offered in session.drawn.values()]
+        half = f" in {drawn.count(True)} of {len(drawn)} trials, drawn by chance," if drawn else ""
         share = f", {100 * len(taken) / len(seen):.0f} % of which the wizard took" if seen else ""
         changed = f" ({counted(edited, 'sentence')} changed before)" if edited else ""
         yield from about_models([each for session in sessions for each in session.models])
+        if not sets:
+            return
         yield (
-            f"In {counted(len(sessions), 'session')}"
+            f"In {counted(len(sessions), 'session')}{half}"
             f" {listed([names.get(each, each) for each in sources])} offered the wizard"
             f" {counted(len(sets), 'set')} of proposals{share}{changed}; nothing of it was done"
             " without the wizard."

@@ -16,6 +16,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestSettings,
     SuggestShown,
     SuggestTaken,
+    SuggestTrial,
 )
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import Episode
@@ -53,6 +54,7 @@ class ProposalHistory(FeatureHistory):
     def __init__(self) -> None:
         self.settings: SuggestSettings | None = None
         self.model: SuggestModel | None = None
+        self.trial: SuggestTrial | None = None
         self.sets: dict[str, SuggestionEpisode] = {}
 
     def _set(self, message: SuggestSettings, state: SessionState) -> Iterable[Episode]:
@@ -62,6 +64,17 @@ class ProposalHistory(FeatureHistory):
     def _choose(self, message: SuggestModel, state: SessionState) -> Iterable[Episode]:
         self.model = message
         return moment(message, state.t)
+
+    def _draw(self, message: SuggestTrial, state: SessionState) -> Iterable[Episode]:
+        self.trial = message
+        return moment(message, state.t)
+
+    def _over(self, message: m.TrialEnded, state: SessionState) -> None:
+        self.trial = None
+
+    def is_quiet(self) -> bool:
+        """Whether nothing is offered in this trial."""
+        return self.trial is not None and not self.trial.offered
 
     def _offer(self, message: SuggestOffered, state: SessionState) -> Iterable[Episode]:
         offered = SuggestionEpisode(begin=state.t, seq=message.seq, offered=message)
@@ -91,6 +104,8 @@ class ProposalHistory(FeatureHistory):
     cases: ClassVar[Mapping[type[m.Message], HistoryCase]] = {
         SuggestSettings: _set,
         SuggestModel: _choose,
+        SuggestTrial: _draw,
+        m.TrialEnded: _over,
         SuggestAsked: _rank,
         SuggestOffered: _offer,
         SuggestRanked: _rank,

@@ -20,6 +20,7 @@ from woz_tui.features.proposals.clean_text import (
     without_variables,
 )
 from woz_tui.features.proposals.gate import ApprovalFact
+from woz_tui.features.proposals.halves import HALF, is_offered
 from woz_tui.features.proposals.kinds import (
     AskDismiss,
     AskModelTold,
@@ -35,6 +36,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestSettings,
     SuggestShown,
     SuggestTaken,
+    SuggestTrial,
 )
 from woz_tui.features.proposals.likely_acts import LikelyActs
 from woz_tui.features.proposals.ranker import Ranked
@@ -104,6 +106,8 @@ class ProposalsInSession(SessionFeature):
         self._likely = LikelyActs(session, self._offer_likely)
         #: Whether an item is being taken: what is played then is no other act.
         self._taking = False
+        #: Whether nothing is offered in this trial.
+        self._quiet = False
         #: Presses of which it is not known yet whether they are refused, by run, and whether an
         #: item was taken with them.
         self._pressed: dict[str, tuple[m.ActionRequested, bool]] = {}
@@ -303,6 +307,8 @@ class ProposalsInSession(SessionFeature):
             raise RequestError(f"a proposal has 1 to {MOST} items")
         if self.session.state.stop is not None:
             raise RequestError("the stop is pressed", "the wizard releases it")
+        if self._quiet:
+            raise RequestError("in this trial nothing is proposed", "the file says trials: half")
         for name, each in [*self._open.items()]:
             if each.console == client.console and each.decide is None:
                 self._go(name, "superseded")
@@ -340,7 +346,7 @@ class ProposalsInSession(SessionFeature):
 
     def _offer_likely(self, ranked: Sequence[Ranked], cue: str) -> None:
         """What earlier sessions make likely, in place of what they made likely before."""
-        if self.session.ended or self.session.state.stop is not None:
+        if self.session.ended or self.session.state.stop is not None or self._quiet:
             return
         for name, each in [*self._open.items()]:
             if each.offered.source == "logs":
@@ -517,9 +523,22 @@ class ProposalsInSession(SessionFeature):
         self._likely.forget(message.run)
 
     def _moved_on(self, message: Any) -> None:
-        if isinstance(message, TrialEpisode) and message.end is None:
-            self._likely.begin_anew()
         self._end_offers("moved_on")
+        if isinstance(message, TrialEpisode):
+            self._quiet = False
+            if message.end is None:
+                self._draw(message.started)
+                self._likely.begin_anew()
+
+    def _draw(self, trial: m.TrialStarted) -> None:
+        """Whether something is offered in the trial that begins."""
+        section = self._section
+        if section is None or section.suggest.trials != HALF:
+            return
+        identity = self.session.identity
+        offered = is_offered(trial.trial, identity.participant, identity.seed)
+        self._quiet = not offered
+        self.session.hub.publish(SuggestTrial(trial=trial.trial, offered=offered))
 
     hears: ClassVar[Mapping[type[m.Message], Any]] = {
         m.StopPressed: _stopped,

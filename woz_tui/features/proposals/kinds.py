@@ -22,6 +22,15 @@ class SuggestSettings(Message, frozen=True, kw_only=True, tag="suggest.settings"
     after_us: int = 0
 
 
+class SuggestTrial(Message, frozen=True, kw_only=True, tag="suggest.trial"):
+    """In this trial proposals are `offered`, or not: with `trials: half` chance has decided it.
+    Approvals of programs that only propose are asked for all the same.
+    """
+
+    trial: int
+    offered: bool
+
+
 class SuggestModel(Message, frozen=True, kw_only=True, tag="suggest.model"):
     """`woz suggest` asks this model from here on: the address `url`, the name that is asked for,
     the settings of the request (`sampling`), and the `prompt` before the dialogue.
@@ -191,13 +200,13 @@ class AskModelTold(Request, frozen=True, kw_only=True, tag="model-told"):
 
 
 MESSAGES = (
-    *(SuggestSettings, SuggestModel, SuggestAsked),
+    *(SuggestSettings, SuggestModel, SuggestAsked, SuggestTrial),
     *(SuggestOffered, SuggestRanked, SuggestTaken, SuggestGone, SuggestShown),
 )
 KINDS = FeatureKinds(
     messages=MESSAGES,
     requests=(AskTake, AskDismiss, AskPropose, AskModelTold, AskShown),
-    open=(SuggestSettings, SuggestModel, SuggestGone, SuggestShown),
+    open=(SuggestSettings, SuggestModel, SuggestGone, SuggestShown, SuggestTrial),
     unlisted=(SuggestRanked, SuggestAsked, SuggestShown),
     ended=(EndedKind(SuggestOffered, (SuggestTaken, SuggestGone), "set"),),
 )

@@ -18,6 +18,7 @@ from woz_tui.features.proposals.kinds import (
     AskPropose,
     SuggestModel,
     SuggestSettings,
+    SuggestTrial,
 )
 from woz_tui.features.proposals.rights import HANDS
 from woz_tui.protocol import codec
@@ -51,6 +52,8 @@ class ModelProgram:
         self._client, self._key, self._say, self._make = client, key, say, make
         self._model: SuggestModel | None = None
         self._after = 0.0
+        #: Whether nothing is proposed in this trial.
+        self._quiet = False
         self._turns: deque[dict[str, Json]] = deque(maxlen=TURNS)
         self._asking: asyncio.Task[None] | None = None
         self._failures = 0
@@ -68,6 +71,8 @@ class ModelProgram:
                         )
                     case SuggestSettings(after_us=after):
                         self._after = after / 1e6
+                    case SuggestTrial(offered=offered):
+                        self._quiet = not offered
                     case m.Message() if message.seq > self._client.welcome.seq:
                         self._follow(message)
         finally:
@@ -80,6 +85,9 @@ class ModelProgram:
                 self._ask_anew(message)
             case m.Command(verb="say", args={"text": str(text)}) if "..." not in text:
                 self._turns.append({"role": "assistant", "content": text})
+            case m.TrialEnded():
+                self._quiet = False
+                self._cancel()
             case m.StopPressed() | PhaseChanged() | m.TrialStarted():
                 self._cancel()
             case m.ActionRequested(source=source) if source in HANDS:
@@ -91,7 +99,7 @@ class ModelProgram:
 
     def _ask_anew(self, message: m.SpeechText) -> None:
         self._cancel()
-        if self._model is None or time.monotonic() < self._rests_until:
+        if self._model is None or self._quiet or time.monotonic() < self._rests_until:
             return
         cue = f"{message.driver}/{message.segment}"
         self._asking = asyncio.create_task(self._ask(self._model, cue), name="the model")

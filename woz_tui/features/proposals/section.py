@@ -19,6 +19,7 @@ from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import MappingNode
 from woz_tui.drivers.fields import Doc, NotBlank, OneOf, Pattern, Range, ReadApart, Seconds
 from woz_tui.features.proposals.addresses import host_of, is_local
+from woz_tui.features.proposals.halves import ALL, HALF
 from woz_tui.features.proposals.rights import (
     ACTIONS,
     ONLY_PROPOSES,
@@ -61,6 +62,14 @@ class SuggestKeysOfFile:
     model: Annotated[
         ModelSettings | None, Doc("a language model that `woz suggest` asks for sentences")
     ] = None
+    trials: Annotated[
+        str,
+        OneOf((ALL, HALF)),
+        Doc(
+            "half: in half of the trials, drawn by chance, nothing is offered, so that it can be"
+            " compared"
+        ),
+    ] = ALL
     after: Annotated[
         float, Seconds(0, 10), Doc("nothing is proposed sooner after the visitor has spoken")
     ] = 1.0
@@ -133,6 +142,8 @@ class ProposalSection(FeatureSection[Proposals | None]):
             yield "suggest", f"`woz suggest` asks a model at {section.suggest.model.url}"
         if section is not None and section.suggest.logs:
             yield "suggest", "names likely actions, learnt from earlier sessions of this title"
+        if section is not None and section.suggest.trials == HALF:
+            yield "suggest", "nothing is offered in half of the trials, drawn by chance"
         for name, rights in section.programs.items() if section is not None else ():
             does = "plays without being asked"
             if rights.plays is not None:

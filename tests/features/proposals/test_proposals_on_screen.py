@@ -75,6 +75,14 @@ async def test_what_matters_of_it_can_be_read(
         assert f"mcp asks: {shown}" in " ".join(pilot.drawn().split())
 
 
+@SIZES
+async def test_a_repetition_is_marked(size: tuple[int, int]) -> None:
+    async with piloted_console(size=size) as pilot:
+        item = ProposedItem("1", text="It is a whale.", marks=["repeats", "asks again"])
+        await told(pilot, ON, offered(1, items=[item]))
+        assert "said just now  one more question" in pilot.drawn()
+
+
 async def test_what_stands_on_the_screen_is_told_once() -> None:
     async with piloted_console(size=(80, 24)) as pilot:
         texts = [offered(1, "One?", "Two?"), offered(2, "Three?")]

@@ -125,10 +125,15 @@ def _place(
         edits, none = (state.own_keys.get(name, "") for name in (EDIT, NONE))
         more = f" {edits} edit " * bool(edits and item.text) + f" {none} no " * bool(none)
     left = max(0, offered.until - frame.now)
-    right: Row = ((more, "muted"), (f" {(left + 999_999) // 1_000_000} s ", "muted"))
+    marks = "".join(f" {_MARKS.get(mark, clean(mark))} " for mark in item.marks)
+    right: Row = (
+        (more, "muted"),
+        (marks, "warn"),
+        (f" {(left + 999_999) // 1_000_000} s ", "muted"),
+    )
     row: Row = (*front, (item_words(state, item, frame), "strong"))
     if length(row) + length(right) > frame.width:  # the sentence before the hints
-        right = right[1:]
+        right = right[1:]  # what it repeats is worth more than its keys
     rest = _below(state, frame, place)
     first, *more_rows = wrap_row(row, length(front) if rest else 0, frame.width - length(right))
     if len(more_rows) > rest:
@@ -174,6 +179,8 @@ def item_words(state: ConsoleState, item: ProposedItem, frame: PaintFrame) -> st
     return f"{front}: {said}" if front else said
 
 
+#: What the wizard is to know of a sentence before she takes it.
+_MARKS = {"repeats": "said just now", "asks again": "one more question"}
 #: What a program wants where the robot is still at something else.
 _BUSY = {"replace": "interrupts", "refuse": "only if nothing goes on"}
 

@@ -44,8 +44,9 @@ _ORIGINS = {"palette": "key", "midi": "key", "gamepad": "key", "stream-deck": "k
 class SetRow(ContextRow):
     """A set. `outcome`: how it ended; empty: no end is in the log. `shown_us`: from the offer until
     something of it stood on a screen; None: it never did, or the log is older than that line.
-    `distance`: how much of the sentence was changed, 0 to 1; None: nothing was taken. `was_right`:
-    whether the wizard's next act was among its actions; None: it has none.
+    `distance`: how much of the sentence was changed, 0 to 1; None: nothing was taken. `marked`: a
+    sentence of it was marked as a repetition or one more question. `was_right`: whether the
+    wizard's next act was among its actions; None: it has none.
     """
 
     set: str
@@ -59,6 +60,7 @@ class SetRow(ContextRow):
     after_us: int | None
     shown_us: int | None
     distance: float | None
+    marked: bool
     was_right: bool | None
 
     @property
@@ -247,6 +249,7 @@ def _rows(timeline: Timeline) -> Iterator[SetRow]:
             outcome="" if each.end is None or each.cut else each.outcome,
             after_us=None if each.end is None else each.duration,
             shown_us=None if each.shown is None else each.shown.after_us,
+            marked=any(item.marks for item in offered.items),
             distance=None if taken is None else _distance(each),
             was_right=following in actions if actions and following is not None else None,
         )

@@ -39,6 +39,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestTrial,
 )
 from woz_tui.features.proposals.likely_acts import LikelyActs
+from woz_tui.features.proposals.marks import LastSentences
 from woz_tui.features.proposals.ranker import Ranked
 from woz_tui.features.proposals.rights import ACTIONS, HANDS, ProgramRights
 from woz_tui.features.proposals.section import PROPOSALS, ModelSettings, Proposals
@@ -106,6 +107,7 @@ class ProposalsInSession(SessionFeature):
         self._likely = LikelyActs(session, self._offer_likely)
         #: Whether an item is being taken: what is played then is no other act.
         self._taking = False
+        self._last = LastSentences()
         #: Whether nothing is offered in this trial.
         self._quiet = False
         #: Presses of which it is not known yet whether they are refused, by run, and whether an
@@ -228,6 +230,8 @@ class ProposalsInSession(SessionFeature):
                 " and no characters that nobody can see"
             )
         assert self._section is not None
+        if item.text:
+            item = self._marked(item)
         held = self._offer("program", client, [item], self._section.suggest.within, approval=True)
         held.request, held.decide = request, decide
 
@@ -298,7 +302,7 @@ class ProposalsInSession(SessionFeature):
         for text in map(cleaned, request.texts):
             if not text or len(text) > LONGEST:
                 raise RequestError(f"a proposed text has 1 to {LONGEST} characters")
-            items.append(ProposedItem(str(len(items) + 1), text=text))
+            items.append(self._marked(ProposedItem(str(len(items) + 1), text=text)))
         for action in request.actions:
             if self.session.experiment.action(action) is None:
                 raise RequestError(f"there is no action {action!r}")
@@ -314,6 +318,13 @@ class ProposalsInSession(SessionFeature):
                 self._go(name, "superseded")
         self._offer(
             request.source, client, items, min(60.0, max(1.0, request.within)), cue=request.cue
+        )
+
+    def _marked(self, item: ProposedItem) -> ProposedItem:
+        """With what it would be after the last sentences."""
+        text, last = item.text, self._last
+        return replace(
+            item, likeness=last.likeness(text), asking=last.asking(text), marks=last.marks(text)
         )
 
     def _offer(
@@ -510,6 +521,9 @@ class ProposalsInSession(SessionFeature):
 
     def _sent(self, message: m.Command) -> None:
         """A sentence that a person typed is another act."""
+        text = message.args.get("text")
+        if message.verb == "say" and isinstance(text, str) and not message.tells:
+            self._last.say(text)
         if not (self._taking or message.run) and message.source in BY_PERSON:
             self._end_offers("other_act")
 
@@ -528,6 +542,7 @@ class ProposalsInSession(SessionFeature):
             self._quiet = False
             if message.end is None:
                 self._draw(message.started)
+                self._last = LastSentences()
                 self._likely.begin_anew()
 
     def _draw(self, trial: m.TrialStarted) -> None:

@@ -63,7 +63,10 @@ class SuggestAsked(Message, frozen=True, kw_only=True, tag="suggest.asked"):
 class ProposedItem(msgspec.Struct, frozen=True, omit_defaults=True):
     """One item of a set: an action by its name (`args`: its slots), a sentence, or a verb with its
     arguments, in which nothing is filled in any more. `on`: the driver that is to do it, where the
-    program names one; `when_busy`: what it is to do where its lane is occupied.
+    program names one; `when_busy`: what it is to do where its lane is occupied. Of sentences of a
+    program: how like one of the robot's last three it is (`likeness`, 0 to 1), the share of
+    questions among them and it (`asking`), and what of that the wizard reads (`marks`: repeats,
+    asks again).
     """
 
     id: str
@@ -73,6 +76,9 @@ class ProposedItem(msgspec.Struct, frozen=True, omit_defaults=True):
     args: dict[str, Json] = {}
     on: str = ""
     when_busy: str = ""
+    likeness: float = 0.0
+    asking: float = 0.0
+    marks: list[str] = []
 
 
 class SuggestOffered(RestrictedMessage, frozen=True, kw_only=True, tag="suggest.offered"):

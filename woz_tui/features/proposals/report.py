@@ -65,6 +65,7 @@ SUGGESTIONS: TableDefinition[SetRow] = TableDefinition(
             lambda _, row: row.is_ignored,
         ),
         _of("distance", "number", "how much of the sentence was changed, 0 to 1"),
+        _of("marked", "boolean", "a sentence of it was marked: said just now, one more question"),
         _of("was_right", "boolean", "the wizard's next act was one of its actions"),
         _of("counted", "boolean", "it was not offered in a trial that does not count"),
     ),

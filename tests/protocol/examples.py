@@ -372,6 +372,7 @@ MESSAGES: tuple[m.Message, ...] = (
     *feature_examples("slots", "MESSAGES"),
     *feature_examples("people", "MESSAGES"),
     *feature_examples("proposals", "PROPOSALS"),
+    *feature_examples("choices", "MESSAGES"),
 )
 
 _PANELS = [
@@ -471,6 +472,7 @@ REQUESTS: tuple[r.Request, ...] = (
     *feature_examples("slots", "REQUESTS"),
     *feature_examples("people", "REQUESTS"),
     *feature_examples("proposals", "REQUESTS"),
+    *feature_examples("choices", "REQUESTS"),
     r.AskCancel(ref=64, asked=60),
 )
 

@@ -9,6 +9,7 @@ FEATURES: tuple[str, ...] = (
     "woz_tui.features.delay:Delay",
     "woz_tui.features.phases:Phases",
     "woz_tui.features.scripts:Scripts",
+    "woz_tui.features.choices:Choices",
     "woz_tui.features.slots:Slots",
     "woz_tui.features.people:People",
     "woz_tui.features.profiles:Profiles",

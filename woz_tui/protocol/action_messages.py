@@ -23,8 +23,9 @@ HANDS = frozenset({"key", "script", "palette", "midi", *HAND_DEVICES, "program",
 FACE_CONSENT_VERB = "face_consent"
 #: Verbs with which a robot speaks, or makes the sounds of a voice.
 SPEAKING_VERBS = frozenset({"say", "utter"})
-#: Sources of what the robot does by itself, or does again.
-BY_ITSELF = frozenset({"engagement", "replay"})
+#: Sources of what the robot does by itself, also because a participant chose it on a page, or does
+#: again.
+BY_ITSELF = frozenset({"engagement", "participant", "replay"})
 #: Sources that only a wizard's console has.
 OF_CONSOLES = frozenset({"key", "palette", "script"})
 #: Sources of what a person wants who is there: at a console, or at a panel that a driver reads by
@@ -55,8 +56,8 @@ class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"
     """Somebody asked for an action by name: one press, from which one or more commands follow.
 
     `source` is key, script, palette, midi, gamepad, stream-deck, spacemouse, wii-remote, imu,
-    program, phase, engagement or replay; `console` names the connection it came over. `run` ties
-    the action's commands and its end together. `without`: verbs, and arguments such as
+    program, phase, engagement, participant or replay; `console` names the connection it came over.
+    `run` ties the action's commands and its end together. `without`: verbs, and arguments such as
     `play.speed`, that this robot does not do of it. `edited`: its sentence was typed anew before it
     was said, this once.
     """

@@ -32,8 +32,9 @@ class FeatureKinds:
     `open`: those of its messages that tell nothing of the condition, the visitor or what somebody
     said. Any other reaches those alone who may know everything, unless it is a `RestrictedMessage`,
     which says itself what it tells. `unlisted`: those of which no list of events has a line.
-    `for_participants`: those that a participant's terminal gets. `ended`: those that have an end,
-    which `woz replay --verify` looks for.
+    `for_participants`: those that a participant's terminal gets; `put_to_participants`: those of
+    them that are what it is to show, so that it gets all their words. `ended`: those that have an
+    end, which `woz replay --verify` looks for.
     """
 
     messages: tuple[type[Message], ...] = ()
@@ -42,6 +43,7 @@ class FeatureKinds:
     open: tuple[type[Message], ...] = ()
     unlisted: tuple[type[Message], ...] = ()
     for_participants: tuple[type[Message], ...] = ()
+    put_to_participants: tuple[type[Message], ...] = ()
     ended: tuple[EndedKind, ...] = ()
 
 
@@ -112,6 +114,13 @@ def participant_kinds() -> tuple[type[Message], ...]:
     """Messages of features that a participant's terminal gets."""
     of_features = _of_features()
     return tuple(kind for each in of_features for kind in each.for_participants)
+
+
+@cache
+def participant_words() -> tuple[type[Message], ...]:
+    """Messages of features that a participant's terminal gets with all their words."""
+    of_features = _of_features()
+    return tuple(kind for each in of_features for kind in each.put_to_participants)
 
 
 @cache

@@ -26,7 +26,12 @@ from woz_tui.feature import features, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol import welcome as s
-from woz_tui.protocol.kinds import FeatureKinds, closed_kinds, participant_kinds
+from woz_tui.protocol.kinds import (
+    FeatureKinds,
+    closed_kinds,
+    participant_kinds,
+    participant_words,
+)
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.sample_values import ZONES
 
@@ -532,7 +537,7 @@ class ParticipantRedactor(Redactor):
                 return replace(message, condition=None)
             case m.ConditionsAssigned(order=order):
                 return replace(message, order=_numbered(order), why="")
-            case m.RestrictedMessage():
+            case m.RestrictedMessage() if type(message) not in participant_words():
                 return replace(message, **dict.fromkeys(_word_fields(type(message)), ""))
         return message
 

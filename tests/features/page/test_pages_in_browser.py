@@ -14,9 +14,12 @@ from aiohttp import web
 from selenium.webdriver.common.by import By
 
 from tests.analysis.html.browser import Page, browser
+from tests.features.choices.test_choices import offering
 from tests.features.page.rig import PageRig, pages
 from tests.host.rig import served_session
+from tests.session.rig import experiment
 from tests.session.study_rig import STUDY, study_experiment
+from woz_tui.features.choices.kinds import ChoiceMade
 from woz_tui.features.page.visitors import PageRole
 from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
@@ -205,6 +208,28 @@ async def test_a_participant_answers_on_a_phone_and_loads_the_page_anew(
         (item.name, float(number)) for number, item in enumerate(TLX.items)
     ]
     assert all(line.answered_us >= 0 for line in answers)
+
+
+@pytest.mark.parametrize("scripts", [True, False])
+async def test_a_participant_chooses_on_a_phone(
+    tmp_path: Path, opened: Page, scripts: bool
+) -> None:
+    made = offering(experiment(tmp_path))
+    opened.size(360, 640)
+    with scripts_allowed(opened, scripts):
+        async with served_session(tmp_path, made=made) as host, pages(host) as rig:
+            wizard = await host.connect()
+            await wizard.hello("wizard")
+            await join(opened, rig, PageRole.ANSWER)
+            await aside(opened.until, lambda: opened.one(".said").text == "Please wait.")
+            await wizard.ask("action", action="Offer")
+            buttons = ".choices button"
+            await aside(opened.until, lambda: len(opened.all(buttons)) == 2)
+            assert [each.text for each in await aside(opened.all, buttons)] == ["Red", "Blue"]
+            await aside(lambda: opened.hands().double_click(opened.all(buttons)[1]).perform())
+            await aside(opened.until, lambda: opened.one(".said").text == "Please wait.")
+            [made_] = host.of(ChoiceMade)
+            assert (made_.option, made_.after_us >= 0) == ("Blue", True)
 
 
 async def test_what_was_typed_survives_loading_anew_and_a_lost_line(

@@ -7,11 +7,13 @@ page's own clock, and loads the page anew when something else is asked.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import zip_longest
 
 from woz_tui.analysis.html.markup import Child, Markup, isolated, tag
+from woz_tui.features.choices.kinds import ChoiceOffered
 from woz_tui.features.page.html import hidden, page
 from woz_tui.features.page.item_forms import item_form
-from woz_tui.features.page.seat import ParticipantSeat
+from woz_tui.features.page.seat import ParticipantSeat, choosing
 from woz_tui.features.questionnaires.answers import OpenQuestionnaire
 from woz_tui.features.questionnaires.items import SKIPPED, ItemAnswer, said, way_text, wording
 from woz_tui.protocol.welcome import QuestionnaireItem
@@ -25,7 +27,9 @@ def answer_page(seat: ParticipantSeat, wanted: Mapping[str, str]) -> str:
     """What this browser shows now. `wanted`: the item that was chosen to be changed (`item`), or
     that somebody wants to stop (`stop`).
     """
-    asked = seat.asked
+    asked, offered = seat.asked, seat.offered
+    if offered is not None and not seat.lost:
+        return _choice(seat, offered)
     if asked is None or seat.lost:
         return _nothing_asked(seat)
     items = {item.name: item for item in asked.shown}
@@ -64,6 +68,30 @@ def _nothing_asked(seat: ParticipantSeat) -> str:
         lines = [words.thanks]
     told = (tag("p", line, class_="said") for line in lines)
     return _page(seat, lines[0], tag("div", told, class_="waiting"), again_s=_AGAIN_S)
+
+
+def _choice(seat: ParticipantSeat, offered: ChoiceOffered) -> str:
+    """A button for each option; its picture stands above its words."""
+    shown_us = seat.show(seat.round)
+    heading = offered.question or ", ".join(offered.options)
+    buttons = []
+    for place, (text, picture) in enumerate(
+        zip_longest(offered.options, offered.pictures, fillvalue="")
+    ):
+        source = f"{HERE}/picture/{offered.seq}/{place}"
+        image = tag("img", src=source, alt="") if picture else None
+        words = tag("span", isolated(text))
+        buttons.append(_button(choosing(place), image, words))
+    return _page(
+        seat,
+        heading,
+        tag("h1", isolated(heading), class_=None if offered.question else "unseen"),
+        _form(
+            seat,
+            hidden("before", str(shown_us // 1000)),
+            tag("div", buttons, class_="choices"),
+        ),
+    )
 
 
 def _introduction(seat: ParticipantSeat, asked: OpenQuestionnaire) -> str:
@@ -164,11 +192,11 @@ def _form(seat: ParticipantSeat, *content: Child) -> Markup:
     )
 
 
-def _button(what: str, text: str, *, quiet: bool = False) -> Markup:
+def _button(what: str, *content: Child, quiet: bool = False) -> Markup:
     """A button that sends the form; a quiet one also a form that is not filled in."""
     return tag(
         "button",
-        text,
+        *content,
         type="submit",
         name="what",
         value=what,

@@ -7,6 +7,7 @@ another tablet too. Here is only what belongs to the page itself.
 from __future__ import annotations
 
 import asyncio
+import base64
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ from typing import Any
 import msgspec
 
 from woz_tui.console.link.message_feed import GONE, Incoming, Loss
+from woz_tui.features.choices.history import ChoiceHistory
+from woz_tui.features.choices.kinds import AskChoicePicture, AskChoose, ChoiceOffered
 from woz_tui.features.page.follower import SessionFollower
 from woz_tui.features.page.item_forms import UnreadAnswerError, answer_of
 from woz_tui.features.page.news import News, within
@@ -38,6 +41,11 @@ _FORMS = 50
 _ENDS = ("done", "declined")
 #: What leaves an item without an answer, and the reason that is stored.
 _WAYS = {"skip": "", DOES_NOT_APPLY: DOES_NOT_APPLY, PREFER_NOT: PREFER_NOT}
+
+
+def choosing(place: int) -> str:
+    """What a form says by whose button the option at this place is chosen."""
+    return f"choose-{place}"
 
 
 class NotSentError(Exception):
@@ -114,6 +122,12 @@ class ParticipantSeat:
         return questionnaires_of(self.follower.state).open
 
     @property
+    def offered(self) -> ChoiceOffered | None:
+        """The choice that somebody has now; a questionnaire goes before it."""
+        history = self.follower.state.session.history(ChoiceHistory)
+        return history.offered if self.asked is None else None
+
+    @property
     def words(self) -> QuestionnaireWords:
         """What the page says by itself."""
         return self.follower.state.settings.study.words
@@ -131,7 +145,9 @@ class ParticipantSeat:
         """
         if self.lost:
             return "lost"
-        asked = self.asked
+        asked, offered = self.asked, self.offered
+        if offered is not None:
+            return f"choice-{offered.seq}"
         return f"{asked.began}-{asked.name}" if asked is not None else f"none-{self.thanks}"
 
     @property
@@ -179,7 +195,7 @@ class ParticipantSeat:
         match message:
             case QuestionnaireEnded():
                 self.thanks = message.reason != "left"
-            case QuestionnaireStarted():
+            case QuestionnaireStarted() | ChoiceOffered():
                 self.thanks = False
 
     # -- what is on the page --------------------------------------------------------------------
@@ -206,13 +222,15 @@ class ParticipantSeat:
         """
         async with self._one:
             number = str(form.get("form", ""))
-            asked = self.asked
             if self.lost:
                 raise NotSentError
-            if asked is None or form.get("round") != self.round or self._sent.get(number) == form:
+            if form.get("round") != self.round or self._sent.get(number) == form:
                 return
             self.complaint = ""
-            await self._take(asked, form)
+            if (asked := self.asked) is not None:
+                await self._take(asked, form)
+            elif (offered := self.offered) is not None:
+                await self._choose(offered, form)
             self._sent[number] = form
             if len(self._sent) > _FORMS:
                 del self._sent[next(iter(self._sent))]
@@ -229,6 +247,24 @@ class ParticipantSeat:
             )
         elif item := next((each for each in asked.items if each.name == form.get("item")), None):
             await self._answer(asked, item, form)
+
+    async def _choose(self, offered: ChoiceOffered, form: Mapping[str, Any]) -> None:
+        chosen = [
+            option
+            for place, option in enumerate(offered.options)
+            if form.get("what") == choosing(place)
+        ]
+        if chosen:
+            took_us = self._took_us(self.round, form)
+            await self._ask(AskChoose(offer=offered.seq, option=chosen[0], after_us=took_us))
+
+    async def picture(self, offer: int, place: int) -> tuple[str, bytes]:
+        """The picture of an option, its type and what it holds. Raises `LookupError`."""
+        reply = await self.follower.ask(AskChoicePicture(offer=offer, place=place))
+        match reply.data:
+            case {"type": str(kind), "bytes": str(content)} if reply.ok:
+                return kind, base64.b64decode(content)
+        raise LookupError(reply.reason)
 
     async def _answer(
         self, asked: OpenQuestionnaire, item: QuestionnaireItem, form: Mapping[str, Any]
@@ -262,7 +298,7 @@ class ParticipantSeat:
         except (KeyError, ValueError, OverflowError):
             return here  # a browser without JavaScript
 
-    async def _ask(self, request: AskAnswer | AskQuestionnaire) -> bool:
+    async def _ask(self, request: AskAnswer | AskQuestionnaire | AskChoose) -> bool:
         """Whether the session took it; a refusal becomes the complaint."""
         reply = await self.follower.ask(request)
         if reply.reason == GONE:

@@ -150,6 +150,7 @@ class PageServer:
             web.get("/answer", self._answer),
             web.post("/answer", self._answered),
             web.get("/answer/news", self._answer_news),
+            web.get(r"/answer/picture/{offer:\d{1,18}}/{place:\d{1,3}}", self._answer_picture),
             web.get("/favicon.ico", _no_icon),
             *(web.get(f"/{name}", _give_asset) for name in ASSETS),
         ]
@@ -264,6 +265,17 @@ class PageServer:
         except NotSentError:
             return _html(say(seat.words.not_sent, seat.words.moment, onward="/answer"), 503)
         raise web.HTTPSeeOther("/answer")
+
+    async def _answer_picture(self, request: web.Request) -> web.Response:
+        """Of what is offered now alone."""
+        seat = await self._seat(request)
+        try:
+            kind, content = await seat.picture(
+                int(request.match_info["offer"]), int(request.match_info["place"])
+            )
+        except LookupError as error:
+            return _refused(404, "Not here", str(error))
+        return web.Response(body=content, content_type=kind)
 
     async def _answer_news(self, request: web.Request) -> web.StreamResponse:
         seat = await self._seat(request)

@@ -1,0 +1,161 @@
+"""The section `choices`: what a participant can be offered on a page.
+
+choices:
+  - name: colour
+    question: Which colour do you like best?
+    options:
+      - {text: Red, plays: Red it is}
+      - {text: Blue, picture: media/blue.png}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Annotated, Any
+
+from woz_tui.config.action_names import check_actions
+from woz_tui.config.annotated_decoder import read_entries
+from woz_tui.config.experiment import Call, Experiment
+from woz_tui.config.feature_section import FeatureSection, FileContents
+from woz_tui.config.problems import quoted
+from woz_tui.config.reload_changes import changed_entries
+from woz_tui.config.session_verbs import own_verb
+from woz_tui.config.yaml_cursor import Cursor, check_different
+from woz_tui.drivers.contract import Argument
+from woz_tui.drivers.fields import Doc, Entry, NotBlank, NotEmpty, Path, ReadApart
+
+#: In place of a choice's name: what is offered is taken away.
+OFF = "off"
+#: Buttons that a small screen can have.
+MOST_OPTIONS = 12
+#: Files that browsers show as pictures, with their types, and bytes of one.
+PICTURES = {
+    ".png": "image/png",
+    ".jpg": "image/jpeg",
+    ".jpeg": "image/jpeg",
+    ".gif": "image/gif",
+    ".svg": "image/svg+xml",
+    ".webp": "image/webp",
+}
+MOST_BYTES = 4_000_000
+
+#: Offers a choice.
+CHOICE_VERB = own_verb(
+    "choice",
+    "offer the participant a choice on the page (`woz page`)",
+    (Argument("name", "text", "a choice of the file; off: take it away", required=True),),
+    lane="choice",
+    brief=True,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Option(Entry):
+    """A button, with a picture above its words where there is one."""
+
+    what = "an option"
+    example = "{text: Red}"
+    text: Annotated[str, NotBlank(), Doc("what stands on the button, and in the log")]
+    picture: Annotated[
+        str, Path(must_exist=True), Doc("a picture on the button, relative to this file")
+    ] = ""
+    plays: Annotated[str, Doc("the name of an action that is played when this is chosen")] = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Choice(Entry):
+    """What a participant is offered: a question, and a button for each option."""
+
+    what = "a choice"
+    example = "{name: colour, options: [{text: Red}, {text: Blue}]}"
+    name: Annotated[str, NotBlank(), Doc("what actions and logs call it")]
+    options: Annotated[tuple[Option, ...], NotEmpty(), Doc("its buttons, twelve at the most")]
+    question: Annotated[str, Doc("what stands above the buttons")] = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChoiceKeys:
+    """The key `choices`."""
+
+    choices: Annotated[
+        tuple[Choice, ...],
+        ReadApart(),
+        NotEmpty(),
+        Doc("what the participant can be offered on the page (`choice: NAME`)"),
+    ] = ()
+
+
+class ChoiceSection(FeatureSection[tuple[Choice, ...]]):
+    """Choices by name."""
+
+    verbs = (CHOICE_VERB,)
+
+    def read(
+        self, table: Mapping[str, Cursor], file: Any, contents: FileContents
+    ) -> tuple[Choice, ...]:
+        found = [*read_entries(table.get("choices"), "a list of choices", Choice)]
+        check_different([(entry, choice.name) for entry, choice in found], "a choice", ("name",))
+        for entry, choice in found:
+            keys = dict(entry.entries())
+            if choice.name == OFF:
+                keys["name"].error(f"{OFF} takes a choice away; choose another name")
+            if len(choice.options) > MOST_OPTIONS:
+                keys["options"].error(f"has {len(choice.options)}; {MOST_OPTIONS} are the most")
+            options = [*zip(keys["options"].items(), choice.options, strict=False)]
+            check_different(
+                [(each, option.text) for each, option in options], "an option", ("text",)
+            )
+            for each, option in options:
+                _check_option(dict(each.entries()), option, contents)
+        return tuple(choice for _, choice in found)
+
+    def check(self, experiment: Experiment, table: Mapping[str, Cursor]) -> None:
+        names = [choice.name for choice in self.of(experiment)]
+        for call in _offering(experiment):
+            for name in _names(call):
+                if name not in (*names, OFF) and "{" not in name:
+                    cursor = next(iter(table.values()))
+                    near = cursor.report.hint(name, names, or_list="choices are")
+                    told = f"there is no choice {quoted(name)}{near}"
+                    cursor.report.error(call.place, cursor.path, told)
+
+    def called(self, experiment: Experiment, name: str) -> Choice | None:
+        """The choice of this name."""
+        return next((each for each in self.of(experiment) if each.name == name), None)
+
+    def changes(self, old: tuple[Choice, ...], new: tuple[Choice, ...]) -> Iterable[str]:
+        before, after = ({each.name: each for each in some} for some in (old, new))
+        return changed_entries("choice", before, after)
+
+    def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        for choice in self.of(experiment):
+            options = (
+                quoted(each.text) + (f" (plays {quoted(each.plays)})" if each.plays else "")
+                for each in choice.options
+            )
+            yield f"choice {choice.name}", ", ".join(options)
+
+
+def _check_option(keys: Mapping[str, Cursor], option: Option, contents: FileContents) -> None:
+    check_actions(keys.get("plays"), contents.actions)
+    file = FilePath(option.picture)
+    if option.picture and file.suffix.lower() not in PICTURES:
+        known = ", ".join(sorted(PICTURES))
+        keys["picture"].error(f"{file.name} is no picture for a browser; there are {known}")
+    elif option.picture and file.is_file() and file.stat().st_size > MOST_BYTES:
+        keys["picture"].error(f"{file.name} has more than {MOST_BYTES // 1_000_000} MB")
+
+
+def _offering(experiment: Experiment) -> Iterable[Call]:
+    every = (*experiment.actions, *experiment.beside_panels)
+    return (call for action in every for call in action.calls if call.verb == CHOICE_VERB.name)
+
+
+def _names(call: Call) -> Iterable[str]:
+    chosen = call.choices["name"].every if "name" in call.choices else (call.args.get("name"),)
+    return (name for name in chosen if isinstance(name, str))
+
+
+CHOICES = ChoiceSection(ChoiceKeys, ())

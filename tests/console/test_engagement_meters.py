@@ -191,6 +191,16 @@ def test_a_wait_grows_louder_with_a_sign(
     assert len({glyphs.waits, glyphs.warning, glyphs.error}) == 3
 
 
+@pytest.mark.parametrize(("room", "told"), [(80, "waits for the wizard's answer"), (24, "waits")])
+def test_who_only_watches_reads_whose_answer_it_is(room: int, told: str) -> None:
+    state = console_state(engagement_scene.waits(1.0))
+    assert state.session.model.shown is not None
+    shown = state.session.model.shown
+    (found,) = state_row(state.engaged, shown, NOW, UNICODE, room, watches=True)
+    assert told in found[0]
+    assert "your" not in found[0]
+
+
 def test_the_wait_goes_on_between_messages() -> None:
     state = console_state(engagement_scene.waits(1.0))
     for later, wanted in (

@@ -7,6 +7,8 @@ from woz_tui.protocol.messages import ConsoleAttached
 WIZARD = "the wizard"
 #: The role of a console at which a participant sits.
 PARTICIPANT = "participant"
+#: The role of a console at which somebody only watches.
+WATCHER = "watcher"
 #: By the source of a request; panels and pads of keys are the wizard's hands.
 _BY_SOURCE = {
     "program": "a program",

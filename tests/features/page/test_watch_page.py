@@ -49,6 +49,18 @@ async def test_it_says_what_happens_in_the_words_of_the_console(tmp_path: Path) 
             assert said in page
 
 
+async def test_who_watches_reads_that_the_wizard_must_answer(tmp_path: Path) -> None:
+    async with served_session(tmp_path) as host, pages(host) as rig:
+        watcher = await rig.watcher()
+        async with watcher.news("/watch/news") as reader:
+            changed = m.EngagementChanged(
+                was="UserSpeaks", now="RobotThinks", outcome="", why="", verdicts={}, visitor="V2"
+            )
+            host.session.hub.publish(changed)
+            waits = "visitor V2 waits for the wizard's answer"
+            await reader.until(lambda view: view["engagement"] == waits)
+
+
 async def test_trial_and_condition_are_those_that_a_wizard_sees(tmp_path: Path) -> None:
     async with served_session(tmp_path, made=study_experiment(tmp_path)) as host:
         wizard = await host.connect()

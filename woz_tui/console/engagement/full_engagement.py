@@ -29,6 +29,7 @@ from woz_tui.console.state.engagement_text import (
     visitor_code,
 )
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.requesters import WATCHER
 from woz_tui.sensing.sample_values import FLAGS, zone
 from woz_tui.sensing.state_machine import TURN
 from woz_tui.session.redactor import COARSE, HIDDEN, KEPT
@@ -85,8 +86,15 @@ def full_rows(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) 
 def _head(state: ConsoleState, shown: m.EngagementShown, frame: PaintFrame) -> Row:
     """State, time, run; at the right what is known of the visitor, and attention."""
     glyphs = frame.glyphs
-    lost = bool(state.lost)
-    row = state_row(state.engaged, shown, frame.now, glyphs, frame.width, lost=lost)
+    row = state_row(
+        state.engaged,
+        shown,
+        frame.now,
+        glyphs,
+        frame.width,
+        lost=bool(state.lost),
+        watches=state.role == WATCHER,
+    )
     if shown.attempt:
         row += ((f"  attempt {shown.attempt}", "plain"),)
     run = run_piece(shown, glyphs)

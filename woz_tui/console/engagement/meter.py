@@ -37,6 +37,7 @@ from woz_tui.console.state.engagement_text import (
     state_row,
 )
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.requesters import WATCHER
 from woz_tui.sensing.sample_values import zone
 from woz_tui.session.redactor import HIDDEN, KEPT, perceived_kind
 
@@ -58,7 +59,15 @@ def block_rows(
     speech = "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
     loud = loudness(state, frame, speech)
     asks = _attention_pieces(shown, frame, "" if loud else speech)
-    row = state_row(state.engaged, shown, frame.now, frame.glyphs, frame.width - 1, lost=lost)
+    row = state_row(
+        state.engaged,
+        shown,
+        frame.now,
+        frame.glyphs,
+        frame.width - 1,
+        lost=lost,
+        watches=state.role == WATCHER,
+    )
     attempt = f" attempt {shown.attempt}" if shown.attempt else ""
     rows: list[Row] = [((" ", "plain"), *row, (attempt, "muted"))]
     heard: list[Row] = []

@@ -34,7 +34,8 @@ SHORT = {
     "RobotSpeaks": "robot speaks",
     "stop": "ended",
 }
-#: What a state means for the wizard. `{who}` is `visitor V2`, or `visitor` while nobody knows who.
+#: What a state means for the wizard. `{who}` is `visitor V2`, or `visitor` while nobody knows who;
+#: `{whose}` answer is the wizard's, who is another one where somebody only watches.
 SENTENCES = {
     "Wait": "nobody there",
     "PersonDetected": "somebody there, not engaged",
@@ -42,11 +43,13 @@ SENTENCES = {
     "Handshake": "visitor is asked for a name",
     "EngagedWithKnown": "{who}, engaged",
     "UserSpeaks": "{who} speaks",
-    "RobotThinks": "{who} waits for your answer",
+    "RobotThinks": "{who} waits for {whose} answer",
     "RobotReplies": "robot answers {who}",
     "RobotSpeaks": "robot speaks to {who}",
     "stop": "the model has ended",
 }
+#: The same wait where it has less room.
+_BRIEF = ("waits for your answer", "waits for answer", "waits")
 #: From here on a wait is counted in whole seconds, in microseconds.
 _WHOLE_US = 10_000_000
 #: A sign in a word.
@@ -150,11 +153,16 @@ def _in_per_cent(sign: m.SignShown) -> bool:
     return sign.filter == "joint" and sign.places == 100
 
 
-def state_sentence(state: str, visitor: str, glyphs: Glyphs | None = None) -> str:
-    """A state in words for a person: `visitor V2, engaged`."""
+def state_sentence(
+    state: str, visitor: str, glyphs: Glyphs | None = None, *, watches: bool = False
+) -> str:
+    """A state in words for a person: `visitor V2, engaged`. `watches`: who plays is another one."""
     name = "" if visitor in _UNKNOWN else clean(visitor)
-    who = f"visitor {name}" if name else "visitor"
-    told = SENTENCES[state].format(who=who) if state in SENTENCES else clean(state)
+    said = {
+        "who": f"visitor {name}" if name else "visitor",
+        "whose": "the wizard's" if watches else "your",
+    }
+    told = SENTENCES[state].format_map(said) if state in SENTENCES else clean(state)
     return glyphs.plain(told) if glyphs is not None else told
 
 
@@ -166,12 +174,13 @@ def state_row(
     room: int,
     *,
     lost: bool = False,
+    watches: bool = False,
 ) -> Row:
     """The state as a sentence, with its sign and for how long, in `room` cells if it fits; a wait
     grows louder and gets another sign when it is too long. `lost`: the connection is, so that this
     is old.
     """
-    told = state_sentence(shown.state, shown.visitor, glyphs)
+    told = state_sentence(shown.state, shown.visitor, glyphs, watches=watches)
     if lost:
         return ((f"{glyphs.stale} {told}", "stale"),)
     waited = engaged.waited(now)
@@ -189,7 +198,8 @@ def state_row(
     presence = shown.signs.get("presence")
     if presence is not None and presence.verdict == 0:
         figure += ", not seen"  # nobody is lost while the robot thinks: they may have gone
-    brief = ("waits for your answer", "waits for answer", "waits")
+    brief = ["waits for your answer", "waits for answer", "waits"]
+    brief = brief[1:] if watches else brief
     for text in (f"{words}, {figure}" for words in (told, *brief)):
         if cell_len(text) + 2 <= room:
             break

@@ -23,6 +23,7 @@ from woz_tui.console.state.view_models import DriverView
 from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView
+from woz_tui.protocol.requesters import WATCHER
 from woz_tui.timeline.session_state import SessionState
 
 #: Who or what pressed, where it was not a key.
@@ -61,6 +62,9 @@ _STEPS_AGAIN = frozenset({"running", "done", "sent", "waits", "stopped", "replac
 
 class EventContext(Protocol):
     """What sentences need to know of the console's state."""
+
+    @property
+    def role(self) -> str: ...
 
     @property
     def drivers(self) -> Mapping[str, DriverView]: ...
@@ -372,7 +376,7 @@ def explained(event: EventLine, message: m.DriverHealth, shown: EventContext) ->
 
 
 def _engagement(message: m.EngagementChanged, shown: EventContext) -> EventLine:
-    told = state_sentence(message.now, message.visitor)
+    told = state_sentence(message.now, message.visitor, watches=shown.role == WATCHER)
     if message.forced:
         by = "" if forced_by_another(message) else "by hand: "
         return EventLine("forced", told, f"{by}{change_reason(message)}", model=True)

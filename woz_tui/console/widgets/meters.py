@@ -33,6 +33,7 @@ from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.engagement_text import state_sentence
 from woz_tui.console.state.view_models import SensorView
 from woz_tui.console.state.wizard_overrides import is_offered
+from woz_tui.protocol.requesters import WATCHER
 from woz_tui.sensing.sample_values import FLAGS, ZONES, is_share, percent, state_word, zone
 from woz_tui.session.redactor import HIDDEN, perceived_kind
 
@@ -417,10 +418,11 @@ def _engagement(state: ConsoleState, frame: MeterFrame) -> list[Row]:
         return [hidden_row("engaged", frame)]
     if changed is None:
         return []
-    glyphs = frame.glyphs
+    glyphs, watches = frame.glyphs, state.role == WATCHER
+    told = state_sentence(changed.now, changed.visitor, glyphs, watches=watches)
     first: Row = (
         name_piece("engaged", frame),
-        (state_sentence(changed.now, changed.visitor, glyphs), "strong"),
+        (told, "strong"),
     )
     marked = []
     for name, value in changed.verdicts.items():

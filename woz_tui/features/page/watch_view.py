@@ -84,7 +84,7 @@ def _engagement(state: ConsoleState) -> str:
     changed = state.session.model.changed
     if changed is None or state.perception.hides("engagement"):
         return ""
-    return state_sentence(changed.now, changed.visitor)
+    return state_sentence(changed.now, changed.visitor, watches=True)
 
 
 def _event(event: EventLine, state: ConsoleState, frame: PaintFrame, kept: Collection[str]) -> View:

@@ -373,6 +373,7 @@ MESSAGES: tuple[m.Message, ...] = (
     *feature_examples("people", "MESSAGES"),
     *feature_examples("proposals", "PROPOSALS"),
     *feature_examples("choices", "MESSAGES"),
+    *feature_examples("page", "MESSAGES"),
 )
 
 _PANELS = [
@@ -473,6 +474,7 @@ REQUESTS: tuple[r.Request, ...] = (
     *feature_examples("people", "REQUESTS"),
     *feature_examples("proposals", "REQUESTS"),
     *feature_examples("choices", "REQUESTS"),
+    *feature_examples("page", "REQUESTS"),
     r.AskCancel(ref=64, asked=60),
 )
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import shlex
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -41,9 +42,10 @@ class Companions:
         self._running: dict[str, Companion] = {}
 
     def adopt(self, commands: Mapping[str, str]) -> None:
-        """From here on these run, each a command of `woz`, and no others."""
-        for name in [each for each in self._running if each not in commands]:
-            self._running.pop(name).end_soon()
+        """From here on these run, each a command of `woz` with its options, and no others."""
+        for name, runs in [*self._running.items()]:
+            if commands.get(name) != runs.command:
+                self._running.pop(name).end_soon()
         for name, command in commands.items():
             if name not in self._running:
                 companion = Companion(command, self._socket, self._publish)
@@ -57,11 +59,13 @@ class Companions:
 
 
 class Companion:
-    """One program, `woz COMMAND SOCKET`."""
+    """One program, `woz COMMAND SOCKET` with the options that stand behind the command."""
 
     def __init__(self, command: str, socket: Path, publish: Callable[[Notice], object]) -> None:
-        self._words: Sequence[str] = "-P", "-m", "woz_tui", command, str(socket)
-        self._called = f"`woz {command}`"
+        self.command = command
+        name, *options = shlex.split(command)
+        self._words: Sequence[str] = ("-P", "-m", "woz_tui", name, str(socket), *options)
+        self._called = f"`woz {name}`"
         self._publish = publish
         self._process: asyncio.subprocess.Process | None = None
         self._task: asyncio.Task[None] | None = None

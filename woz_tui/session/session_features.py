@@ -280,7 +280,9 @@ class SessionFeature:
         return ()
 
     def companion(self) -> str:
-        """The command of `woz` that is to run beside the session; empty: none."""
+        """The command of `woz` that is to run beside the session, with its options as a shell takes
+        them; empty: none.
+        """
         return ""
 
 

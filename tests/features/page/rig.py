@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Collection
 from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any, Self
 
@@ -111,10 +111,14 @@ async def pages(
     clock: Clock | None = None,
     *,
     debrief: bool = False,
+    roles: Collection[PageRole] = tuple(PageRole),
+    begins: str = "",
 ) -> AsyncIterator[PageRig]:
     """Pages of this session until the block ends."""
     tell = (told if told is not None else []).append
-    server = PageServer(session.path, names, tell, clock=clock, debrief=debrief)
+    server = PageServer(
+        session.path, names, tell, clock=clock, debrief=debrief, roles=roles, begins=begins
+    )
     async with AsyncExitStack() as stack:
         host, port = await server.start(ListenAddress("127.0.0.1", 0))
         stack.push_async_callback(server.close)

@@ -6,7 +6,8 @@ import asyncio
 import re
 import ssl
 import sys
-from collections.abc import Mapping
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from ipaddress import ip_address
@@ -20,10 +21,11 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.hashes import SHA256
 from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
 
-from tests.host.rig import served_session
+from tests.host.rig import ServedSession, served_session
 from tests.session.rig import WAIT_S, ScriptedDriver, experiment
 from woz_tui.cli import main
 from woz_tui.drivers.contract import Argument, Job, Offer, Verb
+from woz_tui.features.page.command import ENDS
 from woz_tui.features.page.qr import drawn, modules
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -46,6 +48,28 @@ def test_what_would_be_open_to_everybody_has_to_be_said(
 ) -> None:
     assert main(["page", *options]) == 1
     assert needed in capsys.readouterr().err
+
+
+@asynccontextmanager
+async def opened_page(host: ServedSession, *options: str) -> AsyncIterator[list[str]]:
+    """`woz page` on a port of its own; what it says at first."""
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "woz_tui", "page", str(host.path)),
+        *("--at", "127.0.0.1:0", *options),
+        stdout=asyncio.subprocess.PIPE,
+    )
+    assert process.stdout is not None
+    said: list[str] = []
+    try:
+        while not said or said[-1] != ENDS:
+            line = await asyncio.wait_for(process.stdout.readline(), WAIT_S)
+            assert line, said
+            said.append(line.decode().rstrip("\n"))
+        yield said
+    finally:
+        process.terminate()
+        ended = await asyncio.wait_for(process.wait(), WAIT_S)
+    assert ended == 0
 
 
 class TabletDriver(ScriptedDriver):

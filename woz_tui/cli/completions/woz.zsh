@@ -495,6 +495,8 @@ _shtab_woz_new_defaults_added=0
 _shtab_woz_page_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
   "--access[join a session on another machine with this access file (see \`woz access\`)]:FILE:_files"
+  "*--for[for whom\: to watch, or to answer (default\: both)]:roles:(watch answer)"
+  "--questionnaire[begin this questionnaire by itself when the participant opens the page]:NAME:"
   "--at[where browsers find it (default 127.0.0.1\:8080\: on this computer, or through \`ssh -L\`)]:HOST:PORT:"
   "--plain[allow another address than this computer\'s own without encryption\: everybody in the network can read the pages and what participants answer]"
   "--certificate[encrypt with this certificate (PEM, with what signed it)\; needs --key]:FILE:_files"
@@ -504,6 +506,7 @@ _shtab_woz_page_options=(
   "--qr[print the addresses for the participant and to watch as QR codes, too]"
   "--tablet[show the participant\'s page on the robot\'s own tablet (its verb \`screen\`)]"
   ":session code, such as S02, or socket (default\: the only one that runs)\; with --access\: the robot\'s HOST\:PORT:"
+  ":behind \`codes\`, which prints the addresses and codes of a page that runs, and \`new-code\`, which replaces them\: whoever came in by the old ones is out:"
 )
 
 # guard to ensure default positional specs are added only once per session

@@ -5,46 +5,84 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import ipaddress
+import logging
 import signal
 import socket
 import ssl
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.session_choice import JoinedSession, add_session_choice, joined_session
 from woz_tui.client import WozError, connect
 from woz_tui.console.link.message_feed import Loss
+from woz_tui.features.page.control import PageControl, open_pages, order
+from woz_tui.features.page.kinds import AskPageTell, PageFailed, PageOpened
 from woz_tui.features.page.qr import MissingQrError, drawn, modules
+from woz_tui.features.page.section import HERE, is_here
 from woz_tui.features.page.visitors import PageRole, Visitors
 from woz_tui.network.listen_address import ListenAddress
-from woz_tui.system.tasks import until_first_ends
+from woz_tui.system.tasks import end_tasks, until_first_ends
 
-#: Where it listens unless something else is said: on this computer alone.
-HERE = "127.0.0.1:8080"
+if TYPE_CHECKING:  # aiohttp
+    from woz_tui.features.page.server import PageServer
+
+#: Orders to a page that runs.
+CODES, NEW_CODE = "codes", "new-code"
+_ALL = tuple(role.value for role in PageRole)
 #: What `--plain` means, in words for whoever began it.
 OPEN = (
     "Without encryption: whoever is in this network can read the pages, what participants answer"
     " included. For a network of your own only."
 )
+#: The last line behind the addresses.
+ENDS = "Nothing there plays or stops the robot. The codes end with this command (ctrl+c)."
 #: For whom the page of a role is, above its QR code.
 _FOR = {PageRole.WATCH: "To watch:", PageRole.ANSWER: "The participant:"}
 #: Nobody listens there: it only says by which of its addresses this computer reaches others.
 _ELSEWHERE = ("192.0.2.1", 9)
 
 
+#: Characters of what has failed.
+_MOST_TEXT = 300
+
+log = logging.getLogger(__name__)
+
+
 class PageError(Exception):
     """Pages cannot be served so; the text says why."""
 
 
-ERRORS = CommandErrors(PageError, MissingQrError)
+ERRORS = CommandErrors(PageError, MissingQrError, OSError)
 
 
 def add(parser: ArgumentParser) -> None:
     add_session_choice(parser, "session")
+    parser.add_argument(
+        "of",
+        nargs="?",
+        default="",
+        metavar="SESSION",
+        help=f"behind `{CODES}`, which prints the addresses and codes of a page that runs, and"
+        f" `{NEW_CODE}`, which replaces them: whoever came in by the old ones is out",
+    )
+    parser.add_argument(
+        "--for",
+        dest="roles",
+        action="append",
+        choices=[role.value for role in PageRole],
+        help="for whom: to watch, or to answer (default: both)",
+    )
+    parser.add_argument(
+        "--questionnaire",
+        default="",
+        metavar="NAME",
+        help="begin this questionnaire by itself when the participant opens the page",
+    )
     parser.add_argument(
         "--at",
         default=HERE,
@@ -91,6 +129,28 @@ def add(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Serve until the session ends, or ctrl+c."""
+    roles = [role for role in PageRole if role.value in (arguments.roles or _ALL)]
+    if arguments.session in (CODES, NEW_CODE):
+        return _order(arguments.of, roles if arguments.session == NEW_CODE else ())
+    if arguments.of:
+        raise PageError(f"{arguments.session!r} is no order: {CODES}, {NEW_CODE}, or a session")
+    return _serve(arguments, roles)
+
+
+def _order(session: str, renew: Collection[PageRole]) -> int:
+    """Print addresses and codes of pages that run, with others for these roles."""
+    pages = open_pages(session)
+    answers = [told for told in (order(path, renew) for path in pages) if told is not None]
+    if not answers:
+        raise PageError("no page is open here; `woz page` opens one")
+    if renew and len(answers) > 1 and not session:
+        names = ", ".join(path.name.partition(".")[0] for path in pages)
+        print(f"woz: all of these have new codes: {names}", file=sys.stderr)
+    print("\n\n".join("\n".join(told) for told in answers))
+    return 0
+
+
+def _serve(arguments: Namespace, roles: Collection[PageRole]) -> int:
     at, tls = _address(arguments)
     if arguments.debrief and arguments.access is not None:
         raise PageError("--debrief needs the log, which is on the robot's computer: begin it there")
@@ -100,7 +160,7 @@ def run(arguments: Namespace) -> int:
         if session is None:
             return 1
         with contextlib.suppress(KeyboardInterrupt):
-            asyncio.run(_pages(session, at, tls, arguments))
+            asyncio.run(_pages(session, at, tls, arguments, roles))
     return 0
 
 
@@ -119,7 +179,7 @@ def _address(arguments: Namespace) -> tuple[ListenAddress, ssl.SSLContext | None
         except (OSError, ssl.SSLError) as error:
             raise PageError(f"{arguments.certificate}: {error}") from error
         return at, tls
-    if not (arguments.plain or _is_here(at.host)):
+    if not (arguments.plain or is_here(at.host)):
         raise PageError(
             f"{arguments.at} is not this computer alone, and without a certificate"
             " everybody in the network can read the pages: --plain allows that, --certificate"
@@ -128,50 +188,123 @@ def _address(arguments: Namespace) -> tuple[ListenAddress, ssl.SSLContext | None
     return at, None
 
 
-def _is_here(host: str) -> bool:
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
-
-
 async def _pages(
-    session: JoinedSession, at: ListenAddress, tls: ssl.SSLContext | None, arguments: Namespace
+    session: JoinedSession,
+    at: ListenAddress,
+    tls: ssl.SSLContext | None,
+    arguments: Namespace,
+    roles: Collection[PageRole],
 ) -> None:
     from woz_tui.features.page.server import PageServer  # noqa: PLC0415 - aiohttp, here alone
 
     say = partial(print, flush=True)
     explain: Callable[[Loss], Loss] | None = session.line.explained if session.line else None
     own = {socket.gethostname(), f"{socket.gethostname()}.local", "localhost", *arguments.name}
-    is_open = tls is None and not _is_here(at.host)
+    is_open = tls is None and not is_here(at.host)
     name = "page, not encrypted" if is_open else "page"
-    server = PageServer(session.path, own, say, explain, name=name, debrief=arguments.debrief)
+    server = PageServer(
+        session.path,
+        own,
+        say,
+        explain,
+        name=name,
+        debrief=arguments.debrief,
+        roles=roles,
+        begins=arguments.questionnaire,
+    )
+    control: PageControl | None = None
+    teller: SessionTeller | None = None
     stopped = asyncio.Event()
     asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, stopped.set)
     try:
         host, port = await server.start(at, tls)
         scheme = "https" if tls is not None else "http"
         here = f"{scheme}://{_reached(host)}:{port}"
-        for line in _told(server.visitors, here):
+        _check_questionnaire(server, arguments.questionnaire)
+        told = partial(_told, server.visitors, here)
+        control = PageControl(session.path.stem, port, told, server.renew)
+        await control.start()
+        teller = SessionTeller(session.path, here.rstrip("/"), server)
+        teller.tell_opened()
+        for line in told():
             say(line)
-        for role in PageRole if arguments.qr else ():
+        for role in server.visitors.codes if arguments.qr else ():
             code = modules(f"{here}/join/{server.visitors.codes[role]}")
             say("", _FOR[role], *drawn(code, colours=sys.stdout.isatty()), sep="\n")
         if is_open:
             say(OPEN)
-        if arguments.tablet:
+        if arguments.tablet and PageRole.ANSWER in roles:
             await _show_on_tablet(session, _participants_address(server.visitors, here))
         await until_first_ends(server.until_over(), stopped.wait())
     finally:
+        if control is not None:
+            await control.close()
+        if teller is not None:
+            await teller.close()
         await server.close()
 
 
-def _told(visitors: Visitors, here: str) -> Iterator[str]:
+class SessionTeller:
+    """Tells the session where its pages are, and what of them has failed, as a program that comes
+    and goes: a program that stayed would keep up a session that nobody plays.
+    """
+
+    def __init__(self, path: Path, here: str, server: PageServer) -> None:
+        self._path, self._here, self._server = path, here, server
+        self._telling: set[asyncio.Task[None]] = set()
+        server.on_class_code = self.tell_opened
+        server.failures.tell_session = self.tell_failed
+
+    def tell_opened(self) -> None:
+        """Where they are now, with the class's code."""
+        visitors = self._server.visitors
+        opened = PageOpened(
+            address=self._here,
+            class_code=visitors.class_code if PageRole.WATCH in visitors.codes else "",
+            roles=[role.value for role in visitors.codes],
+            encrypted=self._here.startswith("https:"),
+            console=self._server.watching.state.console,
+        )
+        self._soon(opened)
+
+    def tell_failed(self, what: str) -> None:
+        """What has failed."""
+        self._soon(PageFailed(why=what[:_MOST_TEXT], console=self._server.watching.state.console))
+
+    async def close(self) -> None:
+        """Nothing more is told."""
+        await end_tasks(*self._telling)
+
+    def _soon(self, told: PageOpened | PageFailed) -> None:
+        task = asyncio.create_task(self._tell(told), name="what the session is told of its pages")
+        self._telling.add(task)
+        task.add_done_callback(self._telling.discard)
+
+    async def _tell(self, told: PageOpened | PageFailed) -> None:
+        try:
+            async with connect(self._path, name="page") as client:
+                await client.request(AskPageTell(told=told))
+        except WozError as error:  # from another computer it may be no program
+            log.info("the session was not told of its pages: %s", error)
+
+
+def _check_questionnaire(server: PageServer, name: str) -> None:
+    """Raise `PageError` unless the session has it."""
+    there = [each.name for each in server.watching.state.settings.study.questionnaires]
+    if name and server.watching.state.welcomed and name not in there:
+        listed = f"there are {', '.join(there)}" if there else "there is none"
+        raise PageError(f"the session has no questionnaire {name!r}; {listed}")
+
+
+def _told(visitors: Visitors, here: str) -> list[str]:
     """Which address is for whom."""
-    yield f"To watch:         {here}/join/{visitors.codes[PageRole.WATCH]}"
-    yield f"For a class:      {here}/ with the code {visitors.class_code}"
-    yield f"The participant:  {_participants_address(visitors, here)}"
-    yield "Nothing there plays or stops the robot. The codes end with this command (ctrl+c)."
+    lines = []
+    if PageRole.WATCH in visitors.codes:
+        lines.append(f"To watch:         {here}/join/{visitors.codes[PageRole.WATCH]}")
+        lines.append(f"For a class:      {here}/ with the code {visitors.class_code}")
+    if PageRole.ANSWER in visitors.codes:
+        lines.append(f"The participant:  {_participants_address(visitors, here)}")
+    return [*lines, ENDS]
 
 
 def _participants_address(visitors: Visitors, here: str) -> str:

@@ -17,6 +17,11 @@ from woz_tui.system.clock import Clock, RealClock
 _REPLY_S = 10.0
 
 
+def raise_it(what: str, error: BaseException) -> None:
+    """Where nobody is told what fails."""
+    raise error
+
+
 class SessionFollower:
     """Keeps a console's state, without a screen. It looks for a lost session by itself.
 
@@ -27,6 +32,7 @@ class SessionFollower:
         clock: The time against which messages age.
         heard: Is given each message, once the state has taken it.
         name: What the wizard's events call it.
+        failed: Is told what has failed of it, and why; it goes on.
     """
 
     def __init__(
@@ -38,8 +44,9 @@ class SessionFollower:
         *,
         heard: Callable[[Incoming], None] = lambda message: None,
         name: str = "page",
+        failed: Callable[[str, BaseException], None] = raise_it,
     ) -> None:
-        self._heard = heard
+        self._heard, self._failed = heard, failed
         self.state = ConsoleState()
         #: Set whenever something is new; whoever waits for it clears it.
         self.news = asyncio.Event()
@@ -93,7 +100,10 @@ class SessionFollower:
     # -- on the loop -----------------------------------------------------------------------------
 
     def _work_in(self, batch: list[Incoming]) -> None:
-        self.state.apply(batch, self._clock.now_us())
+        try:
+            self.state.apply(batch, self._clock.now_us())
+        except Exception as error:  # noqa: BLE001 - a page without this news is better than none
+            self._failed("following the session", error)
         for message in batch:
             if isinstance(message, Reply):
                 self._answer(message.ref, message)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import base64
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,7 @@ from woz_tui.features.questionnaires.kinds import (
     QuestionnaireEnded,
     QuestionnaireStarted,
 )
+from woz_tui.protocol.messages import SessionChanged
 from woz_tui.protocol.welcome import QuestionnaireItem, QuestionnaireWords
 from woz_tui.system.clock import Clock
 from woz_tui.system.tasks import end_tasks
@@ -48,6 +49,21 @@ def choosing(place: int) -> str:
     return f"choose-{place}"
 
 
+class SelfBegun:
+    """A questionnaire that begins by itself when the participant opens the page, on whichever
+    tablet, once for each participant: one that was taken back does not come again.
+
+    Args:
+        name: Which; empty: none.
+        begin: Begins it where it is not due, which a participant may not; whether it has.
+    """
+
+    def __init__(self, name: str, begin: Callable[[str], Awaitable[bool]]) -> None:
+        self.name, self.begin = name, begin
+        #: For whom it has begun.
+        self.had: set[str | None] = set()
+
+
 class NotSentError(Exception):
     """The robot process does not answer: nobody knows whether it came."""
 
@@ -60,14 +76,26 @@ class ParticipantSeat:
         clock: For how long something was on the page, where the page itself does not say.
         explain: As for `HostConnection`.
         name: What the wizard's events call it.
+        failed: Is told what has failed, and why.
+        begins: What begins by itself, of all seats together.
     """
 
     def __init__(
-        self, path: Path, clock: Clock, explain: Callable[[Loss], Loss] | None, name: str
+        self,
+        path: Path,
+        clock: Clock,
+        explain: Callable[[Loss], Loss] | None,
+        name: str,
+        *,
+        failed: Callable[[str, BaseException], None],
+        begins: SelfBegun,
     ) -> None:
         self.follower = SessionFollower(
-            path, "participant", explain, clock, heard=self._hear, name=name
+            path, "participant", explain, clock, heard=self._hear, name=name, failed=failed
         )
+        self._failed, self._begins = failed, begins
+        #: How many participants have come since this page is open.
+        self._people = 0
         self.news = News()
         #: Whether the last questionnaire is over, so that somebody is to be thanked.
         self.thanks = False
@@ -85,6 +113,7 @@ class ParticipantSeat:
         #: What the last forms said, by their numbers.
         self._sent: dict[str, Mapping[str, Any]] = {}
         self._one = asyncio.Lock()
+        self._started = asyncio.Event()
         self._joining: asyncio.Task[None] | None = None
         self._following: asyncio.Task[None] | None = None
 
@@ -105,7 +134,10 @@ class ParticipantSeat:
     async def _follow(self) -> None:
         while True:
             self.follower.news.clear()
-            self.publish()
+            try:
+                self.publish()
+            except Exception as error:  # noqa: BLE001 - what comes next may be told again
+                self._failed("the participant's page", error)
             await self.follower.news.wait()
 
     async def close(self) -> None:
@@ -113,6 +145,23 @@ class ParticipantSeat:
         await end_tasks(self._joining, self._following)
         self.news.close()
         self.follower.close()
+
+    async def begin_by_itself(self) -> None:
+        """Begin the questionnaire that is to begin when the page is opened."""
+        state, name = self.follower.state, self._begins.name
+        free = name and not self.lost and self.asked is None and not state.ended
+        if not free or name in questionnaires_of(state).history.had:
+            return
+        participant = state.session.study.participant
+        if participant in self._begins.had:
+            return
+        self._begins.had.add(participant)
+        self._started.clear()
+        due = await self.follower.ask(AskQuestionnaire(questionnaire=name, source="participant"))
+        if due.ok or await self._begins.begin(name):
+            await within(_WELCOME_S, self._started.wait())
+        else:
+            self._begins.had.discard(participant)
 
     # -- what holds -----------------------------------------------------------------------------
 
@@ -148,7 +197,9 @@ class ParticipantSeat:
         asked, offered = self.asked, self.offered
         if offered is not None:
             return f"choice-{offered.seq}"
-        return f"{asked.began}-{asked.name}" if asked is not None else f"none-{self.thanks}"
+        if asked is not None:
+            return f"{asked.began}-{asked.name}"
+        return f"none-{self.thanks}-{self._people}"
 
     @property
     def introduced(self) -> bool:
@@ -195,8 +246,13 @@ class ParticipantSeat:
         match message:
             case QuestionnaireEnded():
                 self.thanks = message.reason != "left"
-            case QuestionnaireStarted() | ChoiceOffered():
+            case QuestionnaireStarted():
                 self.thanks = False
+                self._started.set()
+            case ChoiceOffered():
+                self.thanks = False
+            case SessionChanged(participant=str()):
+                self.thanks, self._people = False, self._people + 1
 
     # -- what is on the page --------------------------------------------------------------------
 

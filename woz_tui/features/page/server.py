@@ -16,10 +16,12 @@ from pathlib import Path
 from aiohttp import web
 from aiohttp.http import HttpProcessingError
 
+from woz_tui.client import WozError, connect
 from woz_tui.console.link.message_feed import Loss
 from woz_tui.features.page.answer_page import answer_page
 from woz_tui.features.page.debrief import HEADERS as DEBRIEF_HEADERS
 from woz_tui.features.page.debrief import DebriefError, report_of
+from woz_tui.features.page.failures import Failures
 from woz_tui.features.page.follower import SessionFollower
 from woz_tui.features.page.html import ASSETS, asset, code_form, say
 from woz_tui.features.page.news import News, within
@@ -29,10 +31,11 @@ from woz_tui.features.page.same_page import (
     is_own_host,
     is_own_stream,
 )
-from woz_tui.features.page.seat import NotSentError, ParticipantSeat
+from woz_tui.features.page.seat import NotSentError, ParticipantSeat, SelfBegun
 from woz_tui.features.page.visitors import Browser, PageRole, TooOftenError, Visitors
 from woz_tui.features.page.watch_page import watch_page
 from woz_tui.features.page.watch_view import View, watch_view
+from woz_tui.features.questionnaires.kinds import AskQuestionnaire
 from woz_tui.network.listen_address import ListenAddress
 from woz_tui.system.clock import Clock, RealClock
 from woz_tui.system.tasks import end_tasks
@@ -40,6 +43,8 @@ from woz_tui.system.tasks import end_tasks
 #: Seconds between two updates of the watch page at least, and at most: its times go on by
 #: themselves.
 UPDATE_S, TICK_S = 0.2, 1.0
+#: Seconds for which the session may take to say what holds.
+_WELCOME_S = 3.0
 #: Streams of news at the same time.
 MOST_STREAMS = 100
 #: Bytes of a form: an answer in words, each character of it written as several.
@@ -48,6 +53,10 @@ _FORM_BYTES = 1 << 18
 FAREWELL_S = 10.0
 #: Browsers in which somebody answers at the same time.
 MOST_SEATS = 8
+
+#: What a browser shows where something of ours has failed.
+_WRONG = ("It has been told to whoever runs the session.", "Please load this page again.")
+_STANDS_STILL = "This page stands still: something in it has failed, and was told."
 
 log = logging.getLogger(__name__)
 
@@ -64,6 +73,9 @@ class PageServer:
         name: What the wizard's events call it.
         debrief: Whoever watches can read the session's report when it is over, until this is
             closed.
+        roles: In which browsers can come in.
+        begins: The questionnaire that begins by itself when the participant opens the page; empty:
+            none does.
     """
 
     def __init__(
@@ -76,17 +88,30 @@ class PageServer:
         clock: Clock | None = None,
         name: str = "page",
         debrief: bool = False,
+        roles: Collection[PageRole] = tuple(PageRole),
+        begins: str = "",
     ) -> None:
         clock = clock or RealClock()
-        self.watching = SessionFollower(session, "watcher", explain, clock, name=name)
-        self.visitors = Visitors(
-            lambda code: tell(f"Too many wrong codes: the class's code is {code} now."), clock
+        self.failures = Failures(tell)
+        self.watching = SessionFollower(
+            session, "watcher", explain, clock, name=name, failed=self.failures.tell
         )
-        self._tell, self._debriefs = tell, debrief
+        self.visitors = Visitors(self._tell_class, clock, roles)
+        #: Called when the class has another code.
+        self.on_class_code: Callable[[], None] = _nothing
+        self._session, self._tell, self._debriefs = session, tell, debrief
         self._report = ""
         self._reporting: asyncio.Task[None] | None = None
         self._names = frozenset(name.lower() for name in names)
-        self._join_session = partial(ParticipantSeat, session, clock, explain, name)
+        self._join_session = partial(
+            ParticipantSeat,
+            session,
+            clock,
+            explain,
+            name,
+            failed=self.failures.tell,
+            begins=SelfBegun(begins, self._begin_questionnaire),
+        )
         self._seats: dict[str, ParticipantSeat] = {}
         self._news = News()
         self._over = asyncio.Event()
@@ -101,6 +126,7 @@ class PageServer:
         is no session, or `OSError`.
         """
         await self.watching.start()
+        await within(_WELCOME_S, self.watching.news.wait())
         application = web.Application(middlewares=[self._guarded], client_max_size=_FORM_BYTES)
         application.on_response_prepare.append(_add_headers)
         application.add_routes(self._routes())
@@ -121,6 +147,33 @@ class PageServer:
         self._cookie = f"woz-page-{port}"
         self._following = asyncio.create_task(self._follow(), name="watch page")
         return host, port
+
+    def _tell_class(self, code: str) -> None:
+        self._tell(f"Too many wrong codes: the class's code is {code} now.")
+        self.on_class_code()
+
+    async def _begin_questionnaire(self, name: str) -> bool:
+        """Begin it as the program that whoever plays the robot has started."""
+        try:
+            async with connect(self._session, name="page") as client:
+                await client.request(AskQuestionnaire(questionnaire=name, source="program"))
+        except WozError as error:
+            self._tell(f"The questionnaire {name} has not begun: {error}")
+            return False
+        return True
+
+    async def renew(self, roles: Collection[PageRole]) -> None:
+        """Other codes for these roles. Whom the old ones have let in gets nothing any more."""
+        self.visitors.renew(roles)
+        if PageRole.ANSWER in roles:
+            gone, self._seats = self._seats, {}
+            for seat in gone.values():
+                await seat.close()
+        if PageRole.WATCH in roles:
+            self._news.close()
+            self._news = News()
+            self._news.publish(self._view())
+            self.on_class_code()
 
     async def until_over(self) -> None:
         """Wait until the session has ended and its last words could be read."""
@@ -174,7 +227,13 @@ class PageServer:
         reads = request.method in ("GET", "HEAD")
         if not reads and not is_own_form(request.headers, _own_origin(request)):
             return _refused(403, "Not from here", "No page of this server has sent this form.")
-        return await handler(request)
+        try:
+            return await handler(request)
+        except (web.HTTPException, ConnectionError):
+            raise
+        except Exception as error:  # noqa: BLE001 - it is told, and the next page may be right
+            self.failures.tell(f"the page {request.path.split('/')[1] or 'of the code'}", error)
+            return _refused(500, "This went wrong", *_WRONG)
 
     def _browser(self, request: web.Request, role: PageRole) -> Browser | None:
         """The browser that sent a request, if it was let in in this role."""
@@ -255,7 +314,9 @@ class PageServer:
         return seat
 
     async def _answer(self, request: web.Request) -> web.Response:
-        return _html(answer_page(await self._seat(request), request.query))
+        seat = await self._seat(request)
+        await seat.begin_by_itself()
+        return _html(answer_page(seat, request.query))
 
     async def _answered(self, request: web.Request) -> web.Response:
         """The next page comes by its own address, so that loading it anew sends nothing."""
@@ -287,7 +348,7 @@ class PageServer:
     async def _make_report(self, log: Path) -> None:
         try:
             self._report = await report_of(log)
-        except DebriefError as error:
+        except (DebriefError, OSError, ValueError) as error:
             self._tell(f"There is no report for those who watched: {error}")
             self._debriefs = False
         self._over.set()
@@ -319,13 +380,25 @@ class PageServer:
         while True:
             await within(TICK_S, self.watching.news.wait())
             self.watching.news.clear()
-            self._news.publish(self._view())
-            state = self.watching.state
-            if state.ended and state.lost and self._debriefs and self._reporting is None:
-                self._reporting = asyncio.create_task(self._make_report(Path(state.log)))
-            if state.ended and not self._debriefs:
-                self._over.set()
+            try:
+                self._look()
+            except Exception as error:  # noqa: BLE001 - what comes next may be shown again
+                self.failures.tell("the page for those who watch", error)
+                self._news.publish({**self._news.now, "lost": _STANDS_STILL})
             await asyncio.sleep(UPDATE_S)
+
+    def _look(self) -> None:
+        """Show what is now, and see whether the session is over."""
+        state = self.watching.state
+        if state.ended and state.lost and self._debriefs and self._reporting is None:
+            self._reporting = asyncio.create_task(self._make_report(Path(state.log)))
+        if state.ended and not self._debriefs:
+            self._over.set()
+        self._news.publish(self._view())
+
+
+def _nothing() -> None:
+    """Nobody has to know."""
 
 
 def _is_ours(record: logging.LogRecord) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import secrets
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from enum import Enum
 from hmac import compare_digest
@@ -49,13 +49,19 @@ class Visitors:
     """The codes, and the browsers that they have let in.
 
     Args:
-        new_code: Is told the class's code when it is another one.
+        new_code: Is told the class's code when too many wrong ones have made another one.
         clock: For how often a code was wrong.
+        roles: In which somebody can come in.
     """
 
-    def __init__(self, new_code: Callable[[str], None], clock: Clock | None = None) -> None:
+    def __init__(
+        self,
+        new_code: Callable[[str], None],
+        clock: Clock | None = None,
+        roles: Collection[PageRole] = tuple(PageRole),
+    ) -> None:
         #: The code in the address of each role.
-        self.codes = {role: secrets.token_hex(_CODE_BYTES) for role in PageRole}
+        self.codes = {role: _code() for role in PageRole if role in roles}
         self.class_code = _class_code()
         self._new_code = new_code
         self._clock = clock or RealClock()
@@ -71,7 +77,7 @@ class Visitors:
     def by_address(self, code: str) -> Browser | None:
         """Whom the code of an address lets in; None: nobody."""
         given = code.encode()
-        found = [role for role in PageRole if compare_digest(self.codes[role].encode(), given)]
+        found = [role for role, code in self.codes.items() if compare_digest(code.encode(), given)]
         return self._admit(found[0]) if found else None
 
     def by_class_code(self, typed: str, address: str) -> Browser | None:
@@ -80,7 +86,8 @@ class Visitors:
         wrong = self._wrong.get(address, deque(maxlen=WRONG_A_MINUTE))
         if len(wrong) == WRONG_A_MINUTE and now - wrong[0] < _MINUTE_US:
             raise TooOftenError
-        if compare_digest(self.class_code.encode(), "".join(typed.split()).encode()):
+        right = compare_digest(self.class_code.encode(), "".join(typed.split()).encode())
+        if right and PageRole.WATCH in self.codes:
             return self._admit(PageRole.WATCH)
         wrong.append(now)
         self._wrong[address] = wrong
@@ -93,6 +100,15 @@ class Visitors:
             self._new_code(self.class_code)
         return None
 
+    def renew(self, roles: Collection[PageRole]) -> None:
+        """Other codes for these roles; whom the old ones have let in is not known any more."""
+        for role in [each for each in self.codes if each in roles]:
+            self.codes[role] = _code()
+        if PageRole.WATCH in roles:
+            self.class_code, self.wrong_in_all = _class_code(), 0
+        known = self._browsers.items()
+        self._browsers = {cookie: each for cookie, each in known if each.role not in roles}
+
     def _admit(self, role: PageRole) -> Browser:
         """One more; the one that came first is forgotten where they are too many."""
         if len(self._browsers) >= MOST_BROWSERS:
@@ -100,6 +116,10 @@ class Visitors:
         browser = Browser(role)
         self._browsers[browser.cookie] = browser
         return browser
+
+
+def _code() -> str:
+    return secrets.token_hex(_CODE_BYTES)
 
 
 def _class_code() -> str:

@@ -81,6 +81,12 @@ if (form) {
 }
 
 const source = new EventSource("/answer/news");
+source.onerror = () => {
+  // Not let in any more, such as after a new code: the page says it. A form that is being sent stays.
+  if (source.readyState === EventSource.CLOSED && !(form && form.dataset.sent)) {
+    setTimeout(() => location.reload(), AGAIN_MS);
+  }
+};
 source.onmessage = (message) => {
   const news = JSON.parse(message.data);
   // A form stays while the session is away: it is sent when the session is back.

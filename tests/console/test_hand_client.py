@@ -11,6 +11,7 @@ from woz_tui.console.hand_client import UNANSWERED, HandClient
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
+from woz_tui.protocol.action_messages import HAND_DEVICES
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import WelcomeSettings
 from woz_tui.system.clock import ManualClock
@@ -337,3 +338,17 @@ def test_lines_that_are_none_are_told_and_passed_over() -> None:
         line.client.receive(bad + b"\n")
     pad.hold(south=1)
     assert line.controls() == [{"south": 1}]
+
+
+def test_without_a_panel_it_says_for_which_devices_one_could_be() -> None:
+    line = Line({"face": {"kind": "body"}})
+    [said] = line.said
+    words = {
+        "gamepad": "gamepad",
+        "stream-deck": "Stream Deck",
+        "spacemouse": "6-D mouse",
+        "wii-remote": "Wii Remote",
+        "imu": "motion sensor",
+    }
+    assert [words[device] in said for device in HAND_DEVICES] == [True] * len(words)
+    assert "docs/how-to/hands.md" in said

@@ -43,7 +43,7 @@ COMMANDS = {
     "voices": "list the voices of this machine or of an experiment's robot",
     "render": "compute the setpoints and the face of a body, as lines or curves",
     "record-move": "record a layer of a move by puppeteering",
-    "hands": "play with a gamepad or a Stream Deck, also over ssh",
+    "hands": "play with a gamepad, Stream Deck, 6-D mouse or the like, also over ssh",
     "midi": "learn the controls of a MIDI panel, or show their functions",
     "listen": "write the sound of the robot's microphone to standard output",
     "talk": "send a voice from standard input to the robot's loudspeaker",

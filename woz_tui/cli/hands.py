@@ -1,4 +1,4 @@
-"""`woz hands`: a gamepad or a Stream Deck at this computer plays a session, here or elsewhere."""
+"""`woz hands`: what the hands at this computer hold plays a session, here or elsewhere."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from woz_tui.system.clock import RealClock
 from woz_tui.system.tasks import until_first_ends
 
 ERRORS = CommandErrors(DriverError)
-#: The driver that knows gamepads and Stream Decks.
+#: The driver that knows gamepads, Stream Decks and the others.
 DRIVER = "hands"
 #: How often what is held is looked at, in seconds, and how soon a lost session is looked for.
 TICK_S, AGAIN_S = 0.02, 2.0

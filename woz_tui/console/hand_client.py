@@ -1,4 +1,4 @@
-"""What `woz hands` says to a session of gamepads and Stream Decks, and what it hears back.
+"""What `woz hands` says to a session of what lies in the hands, and what it hears back.
 
 Nothing here waits or opens anything: lines go out through a function and come in through another
 one, and `tick` is called many times a second.
@@ -34,6 +34,8 @@ from woz_tui.protocol.welcome import STALE_S
 from woz_tui.system.clock import Clock, boot_id
 from woz_tui.system.text_cleaning import clean, with_remedy
 
+#: What such a panel can be for.
+HANDS = "a gamepad, Stream Deck, 6-D mouse, Wii Remote or motion sensor"
 #: Lines about a panel that may be unanswered; then only the newest state of its sticks is kept.
 UNANSWERED = 4
 #: The shortest time between two places of a stick, in microseconds.
@@ -47,7 +49,7 @@ BEAT_SHARE = 0.25
 
 
 class PluggedInDevice(Protocol):
-    """A gamepad or a Stream Deck (`woz_drivers.hands`), which this package must not import."""
+    """What hands play with (`woz_drivers.hands`), which this package must not import."""
 
     kind: str
     name: str
@@ -192,7 +194,7 @@ class HandClient:
         self._requested.clear()
         if not self.panels:
             self._say(
-                f"{clean(welcome.title)}: no panel for a gamepad or a Stream Deck is in its robot"
+                f"{clean(welcome.title)}: no panel for {HANDS} is in its robot"
                 " file; add one: `pad: {type: hands, controls: {south: {action: Hello}}}`"
                 " (docs/how-to/hands.md)"
             )

@@ -1,4 +1,4 @@
-"""What gamepads and Stream Decks have in common for whoever reads them."""
+"""What gamepads, Stream Decks and the others have in common for whoever reads them."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ _shtab_woz_commands() {
     edit-move:'edit the frames of a move on a time line, and see and play them without a robot'
     engagement:'Run the engagement model over recorded or made-up samples, or over a session'"'"'s log, and print what'
     export:'export sessions for other programs: tables, ELAN, BIDS, Praat, MCAP'
-    hands:'play with a gamepad or a Stream Deck, also over ssh'
+    hands:'play with a gamepad, Stream Deck, 6-D mouse or the like, also over ssh'
     host:'start only the robot process'
     listen:'write the sound of the robot'"'"'s microphone to standard output'
     lsl:'send a session to a lab'"'"'s recorder, and take other programs'"'"' streams (Lab Streaming Layer)'

@@ -57,7 +57,7 @@ class PageError(Exception):
     """Pages cannot be served so; the text says why."""
 
 
-ERRORS = CommandErrors(PageError, MissingQrError, OSError)
+ERRORS = CommandErrors(PageError, MissingQrError)
 
 
 def add(parser: ArgumentParser) -> None:

@@ -147,6 +147,7 @@ class NaoqiSimulator:
             "front": self._front,
             "side": self._side,
             "life": self.life.become,
+            "tracking": self.awareness.set_tracking_mode,
             "drift": self._drift,
             "battery": self.battery.fill,
             "sounds": self.disk.table.update,

@@ -134,4 +134,8 @@ CHECKS: dict[str, Mapping[str, Check]] = {
     "pose": {"joints": _joints},
     "connect": {"robot": _address},
     "naoqi": {"call": _read(service_call.parse_call), "args": _read(service_call.parse_arguments)},
+    service_call.DRIVE: {
+        "call": _read(service_call.parse_driving_call),
+        "args": _read(service_call.parse_arguments),
+    },
 }

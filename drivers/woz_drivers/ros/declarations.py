@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
@@ -11,6 +12,22 @@ from woz_tui.protocol.markup import ABILITIES
 TWIST, TWIST_STAMPED = "geometry_msgs/Twist", "geometry_msgs/TwistStamped"
 
 _TYPE = Pattern(r"\w+(/(msg|srv|action))?/\w+", "a type such as std_msgs/String")
+_MIDDLE = re.compile(r"/(?:msg|srv|action)/")
+#: What is sent with these types moves a base, whether its declaration says so or not.
+DRIVING_TYPES = frozenset(
+    {
+        *(TWIST, TWIST_STAMPED, "ackermann_msgs/AckermannDrive"),
+        *("ackermann_msgs/AckermannDriveStamped", "move_base_msgs/MoveBase"),
+        *(
+            f"nav2_msgs/{action}"
+            for action in (
+                *("AssistedTeleop", "BackUp", "DockRobot", "DriveOnHeading", "FollowPath"),
+                *("FollowWaypoints", "NavigateThroughPoses", "NavigateToPose", "Spin"),
+                *("UndockRobot", "FollowGPSWaypoints"),
+            )
+        ),
+    }
+)
 NAME = Pattern(r"/?[A-Za-z_~]\w*(/\w+)*", "a name such as /robot/tts")
 
 
@@ -88,7 +105,11 @@ class VerbDeclaration:
     )
     lane: Annotated[str, Doc("commands of one lane wait for each other")] = ""
     drives: Annotated[
-        bool, Doc("it moves the robot through the room, and ends when the wizard's line is lost")
+        bool,
+        Doc(
+            "it moves the robot through the room, and ends when the wizard's line is lost;"
+            " so does what sends a Twist or a goal of navigation"
+        ),
     ] = False
     help: Annotated[str, Doc("what it does, in a few words")] = ""
     markup: Annotated[
@@ -100,6 +121,11 @@ class VerbDeclaration:
     def target(self) -> str:
         """The topic, service or action."""
         return self.publish or self.service or self.action
+
+    @property
+    def is_driving(self) -> bool:
+        """Whether it moves the robot through the room: as declared, or by what it sends."""
+        return self.drives or _MIDDLE.sub("/", self.type_) in DRIVING_TYPES
 
     @property
     def is_answered(self) -> bool:

@@ -249,7 +249,7 @@ class Ros(Driver):
         if self._base is not None:
             stops["driving"] = self._base.stop()
         for name, verb in self._declared.items():
-            if verb.stoppable and (scope is Scope.ALL or self.settings.verbs[name].drives):
+            if verb.stoppable and (scope is Scope.ALL or self.settings.verbs[name].is_driving):
                 stops[name] = verb.stop()
         if not stops:
             return None

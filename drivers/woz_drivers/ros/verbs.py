@@ -93,7 +93,7 @@ def offered(
                 arguments=tuple(arguments_of(name, declared).values()),
                 lane=declared.lane or common.lane,
                 limit_s=declared.within,
-                drives=declared.drives,
+                drives=declared.is_driving,
                 markup=declared.markup if name == "say" else common.markup,
                 evidence="reported" if declared.is_answered else "timed",
             )

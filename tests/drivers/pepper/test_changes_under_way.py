@@ -67,7 +67,7 @@ async def test_what_is_no_address_costs_nobody_the_stop(tmp_path: Path) -> None:
     async with connected_robot(tmp_path, pace=2.0) as rig:
         with pytest.raises(RejectedError):
             await rig.do("connect", robot="tcp://nao:secret@10.0.0.1")
-        rig.begin("naoqi", call="ALMotion.moveTo", args="[3.0, 0.0, 0.0]")
+        rig.begin("naoqi_drive", call="ALMotion.moveTo", args="[3.0, 0.0, 0.0]")
         await rig.robot.called("ALMotion.moveTo")
         report = await rig.stop()
         assert "driving" in (*report.confirmed, *report.missing)
@@ -139,7 +139,7 @@ async def test_letting_go_while_settings_are_applied_is_no_trouble(tmp_path: Pat
 
 async def test_a_change_that_a_stop_ends_at_once_leaves_the_robot_playable(tmp_path: Path) -> None:
     async with connected_robot(tmp_path, pace=2.0) as rig:
-        rig.begin("naoqi", call="ALMotion.moveTo", args="[3.0, 0.0, 0.0]")
+        rig.begin("naoqi_drive", call="ALMotion.moveTo", args="[3.0, 0.0, 0.0]")
         await rig.robot.called("ALMotion.moveTo")
         leaving = rig.begin("disconnect")
         await asyncio.sleep(0)

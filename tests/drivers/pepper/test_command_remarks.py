@@ -50,6 +50,8 @@ def remarks_of(folder: Path, verb: str, **args: Json) -> list[str]:
         ("naoqi", {"call": "getSummary", "args": "[]"}, "is no call; write Service.method"),
         ("naoqi", {"call": "A.b", "args": "[1"}, "no JSON list"),
         ("naoqi", {"call": "ALFaceDetection.learnFace"}, "learns a face, which needs a consent"),
+        ("naoqi", {"call": "ALMotion.moveTo"}, "may drive the robot; play `naoqi_drive`"),
+        ("naoqi_drive", {"call": "ALMotion.move"}, "may drive the robot when it is over"),
         ("connect", {"robot": "no host"}, "this is no name of a host"),
     ],
 )

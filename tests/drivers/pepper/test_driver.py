@@ -37,6 +37,7 @@ VERBS = {
     *("torque", "gaze", "nudge", "hip", "drive", "eyes", "eyes_animation", "eyes_brightness"),
     *("sound", "screen", "tablet", "autonomy", "collision", "picture", "record_sound", "listen"),
     *("learn_face", "face_consent", "track", "connect", "disconnect", "naoqi"),
+    "naoqi_drive",
 }
 
 
@@ -45,7 +46,11 @@ def test_verbs_lanes_joints_and_sensors_are_those_that_files_rely_on() -> None:
     verbs = {verb.name: verb for verb in Pepper.offer(settings).verbs}
     assert set(verbs) == VERBS
     assert verbs["gaze"].stream
-    assert [name for name, verb in verbs.items() if verb.drives] == ["drive", "track"]
+    assert [name for name, verb in verbs.items() if verb.drives] == [
+        "drive",
+        "track",
+        "naoqi_drive",
+    ]
     assert {verbs[name].lane for name in ("play", "posture", "pose", "home", "torque")} == {"body"}
     joints = Pepper.offer(settings).joints or {}
     assert joints["HeadPitch"].low == -40.5

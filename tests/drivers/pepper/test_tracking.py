@@ -124,7 +124,7 @@ async def test_a_mode_that_others_have_set_is_warned_of_and_ended_by_the_stop(
 ) -> None:
     async with connected_robot(tmp_path, pace=5.0) as rig:
         await somebody_beside(rig)
-        await rig.do("naoqi", call="ALBasicAwareness.setTrackingMode", args='["BodyRotation"]')
+        await rig.robot.order(do="set", name="tracking", value="BodyRotation")
         shown = await rig.shows(tracking="BodyRotation")
         shown = await rig.tells(lambda shown: bool(shown.conflicts))
         assert any("moves the base by itself" in text for text in shown.conflicts)
@@ -164,6 +164,7 @@ async def test_without_awareness_nothing_would_track(either: RobotRig) -> None:
 
 async def test_it_drives_so_that_nobody_is_moved_at_unwatched() -> None:
     offered = Pepper.offer(settings_for("pepper", "127.0.0.1")).verbs
+    assert [verb.name for verb in offered if verb.drives] == ["drive", "track", "naoqi_drive"]
     [verb] = [one for one in offered if one.name == "track"]
     assert verb.drives
     assert verb.arguments[0].choices == ("Head", *DRIVING)
@@ -178,6 +179,59 @@ async def test_what_awareness_heeds_is_set_and_read_back(either: RobotRig) -> No
             await either.do("autonomy", **{name: on})
             await either.shows(**{name: on})
     assert await either.calls("ALBasicAwareness.setStimulusDetectionEnabled")
+
+
+@pytest.mark.parametrize(
+    ("call", "args", "instead"),
+    [
+        ("ALBasicAwareness.setTrackingMode", '["MoveContextually"]', "play `track`"),
+        ("albasicawareness.settrackingmode", '["BodyRotation"]', "play `track`"),
+        ("ALTracker.setMode", '["Move"]', "play `track`"),
+        ("ALMotion.moveToward", "[0.5, 0.0, 0.0]", "play `drive`"),
+        ("ALBehaviorManager.startBehavior", '["dance"]', "runBehavior"),
+        ("ALMotion.moveTo", "[1.0, 0.0, 0.0]", "play `naoqi_drive`"),
+        ("ALNavigation.navigateTo", "[1.0, 0.0]", "play `naoqi_drive`"),
+    ],
+)
+async def test_no_raw_call_goes_round_who_watches(
+    either: RobotRig, call: str, args: str, instead: str
+) -> None:
+    """Driving is driving by whatever name it is called."""
+    await somebody_beside(either)
+    with pytest.raises(RejectedError, match="may drive") as error:
+        await either.do("naoqi", call=call, args=args)
+    assert instead in error.value.remedy
+    assert not await drives(either)
+    await either.do("naoqi", call="ALBasicAwareness.setTrackingMode", args='["Head"]')
+    assert await tracking(either) == "Head"
+
+
+@pytest.mark.parametrize("scope", list(Scope))
+async def test_a_raw_call_that_drives_ends_with_the_stop(either: RobotRig, scope: Scope) -> None:
+    await either.robot.clear()
+    await either.do("autonomy", awareness=False)
+    job = either.begin("naoqi_drive", call="ALMotion.moveTo", args="[3.0, 0.0, 0.0]")
+    await either.robot.until(lambda: drives(either))
+    report = await either.stop(scope)
+    job.cancel()
+    assert {"driving", "walking"} & set(report.confirmed)
+    await asyncio.wait([job])
+    assert not await drives(either)
+    await either.driver.resume()
+
+
+@pytest.mark.parametrize("scope", list(Scope))
+async def test_a_behavior_run_by_its_name_ends_with_the_stop(tmp_path: Path, scope: Scope) -> None:
+    async with connected_robot(tmp_path, pace=2.0) as rig:
+        job = rig.begin(
+            "naoqi_drive",
+            call="ALBehaviorManager.runBehavior",
+            args='["animations/Stand/Gestures/Hey_1"]',
+        )
+        await rig.robot.called("ALBehaviorManager.runBehavior")
+        assert "calls" in (await rig.stop(scope)).confirmed
+        job.cancel()
+        await asyncio.wait([job])
 
 
 async def test_the_file_may_ask_for_head_on_connect(tmp_path: Path) -> None:

@@ -382,6 +382,21 @@ async def test_a_stop_of_driving_ends_an_action_that_drives() -> None:
         await asyncio.gather(task, return_exceptions=True)
 
 
+@pytest.mark.parametrize(
+    ("sends", "drives"),
+    [
+        ("{publish: /cmd_vel, type: geometry_msgs/msg/Twist}", True),
+        ("{action: /go, type: nav2_msgs/NavigateToPose}", True),
+        ("{publish: /words, type: std_msgs/String}", False),
+    ],
+)
+def test_what_sends_a_velocity_or_a_goal_drives_whatever_it_is_called(
+    sends: str, drives: bool
+) -> None:
+    [verb] = Ros.offer(settings(f"address: 'ws://127.0.0.1:9090'\nverbs:\n  hop: {sends}\n")).verbs
+    assert verb.drives is drives
+
+
 async def test_a_base_that_rolls_on_has_not_confirmed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("woz_tui.drivers.confirmed_stop.STOP_S", 0.3)
     async with connected_ros() as rig:

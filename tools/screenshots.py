@@ -17,7 +17,7 @@ from pathlib import Path
 
 from tests.console import bodies, scenes, study_scene
 from tests.console.scripted_feed import ScriptedFeed
-from tools import IMAGES, demo_session
+from tools import EXPERIMENTS, IMAGES, demo_session
 from woz_tui.console.app import Console
 from woz_tui.console.drawing.glyphs import ASCII, UNICODE
 from woz_tui.console.drawing.theme import Appearance
@@ -25,8 +25,12 @@ from woz_tui.console.input.keyboard import Keyboard
 from woz_tui.console.link.message_feed import MessageFeed
 from woz_tui.console.replay.app import ReplayConsole
 from woz_tui.console.replay.commands import ReplayKeyboard
+from woz_tui.drivers import plugins
+from woz_tui.features.move_editor.app import MoveEditorApp
+from woz_tui.features.move_editor.move_file import EditedFile
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log
 from woz_tui.log.log_index import LogIndex
+from woz_tui.motion.render_target import RenderTarget
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requests import Request, Welcome
 from woz_tui.replay.opened_log import IndexedSamples
@@ -235,6 +239,40 @@ async def shoot(shot: Shot, feed: MessageFeed, folder: Path) -> Path:
     return path
 
 
+#: Pictures of `woz edit-move`: a new move with the keys of docs/how-to/edit-move.md, and one of the
+#: examples.
+EDITED = (
+    (
+        "editor-80x24",
+        (80, 24),
+        None,
+        (
+            *("down", *["shift+right"] * 3, "2", "0", "enter"),
+            *(*["shift+right"] * 3, "0", "enter", "left"),
+        ),
+    ),
+    ("editor-100x36", (100, 36), EXPERIMENTS / "moves" / "greet.yaml", ("right", "right", "down")),
+)
+
+
+async def shoot_editor(
+    name: str, size: tuple[int, int], move: Path | None, keys: tuple[str, ...], folder: Path
+) -> None:
+    """Run the editor, press the keys, write the picture."""
+    os.environ.pop("NO_COLOR", None)
+    robot = EXPERIMENTS / "robots" / "eyepi.yaml"
+    target = RenderTarget.of(robot, plugins.installed(), "", None)
+    with tempfile.TemporaryDirectory() as scratch:
+        file = move or Path(scratch) / "yes.yaml"
+        app = MoveEditorApp(target, EditedFile(file, target.spec.settings), clock=ManualClock())
+        async with app.run_test(size=size) as pilot:
+            await pilot.press(*keys)
+            await pilot.pause()
+            drawn = app.export_screenshot(title="woz edit-move")
+    drawn = drawn.replace("<text ", '<text xml:space="preserve" ')
+    (folder / f"{name}.svg").write_text(drawn, encoding="utf-8")
+
+
 def main() -> None:
     """Draw all pictures, or those named after the folder."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else IMAGES
@@ -243,6 +281,9 @@ def main() -> None:
     for shot in SHOTS:
         if not wanted or shot.name in wanted:
             asyncio.run(shoot(shot, shot.feed(), folder))
+    for name, size, move, keys in EDITED:
+        if not wanted or name in wanted:
+            asyncio.run(shoot_editor(name, size, move, keys, folder))
 
 
 if __name__ == "__main__":

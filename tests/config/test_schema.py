@@ -102,7 +102,7 @@ def test_what_editors_show() -> None:
     schema = experiment_schema(CATALOGUE)
     action = schema["$defs"]["action"]["properties"]
     assert action["say"]["description"] == "speak"
-    assert action["speed"]["description"] == "1: as written (of play, personality, say)"
+    assert action["speed"]["description"] == "1: as written (of play, play_move, personality, say)"
     assert {"key", "label", "steps", "on", "when_busy", "torque", "wave"} - set(action) == {"wave"}
     drivers = robot_schema(CATALOGUE)["properties"]["drivers"]["additionalProperties"]["oneOf"]
     head = next(one for one in drivers if one["properties"]["type"]["const"] == "head")

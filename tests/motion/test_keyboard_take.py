@@ -6,7 +6,7 @@ import pytest
 
 from tests.motion.move_file_bodies import EYEPI, FIVE
 from woz_tui.motion.body_shape import BodyShape
-from woz_tui.motion.keyboard_take import KeyboardTake, split_keys
+from woz_tui.motion.keyboard_take import KeyboardTake, PuppetKeys, split_keys
 from woz_tui.motion.keyframes import KeyframeMove, MoveLayer
 from woz_tui.motion.puppeteer import Puppeteer
 
@@ -62,11 +62,7 @@ def test_the_help_names_the_keys_of_this_body_and_breaks_between_them(
     shape: BodyShape, width: int
 ) -> None:
     puppeteer = Puppeteer(shape, KeyframeMove("act", "", ()), "hand", 25)
-    hand = Hand({})
-    take = KeyboardTake(
-        puppeteer, shape, hand.read, 1.0, 5.0, clock=hand.clock, show=hand.shown.append
-    )
-    lines = take.help(width)
+    lines = PuppetKeys(puppeteer, shape).help(width)
     assert all(len(line) <= width for line in lines)
     entries = [entry for line in lines for entry in line.split("   ")]
     assert "escape: cancel" in entries

@@ -24,6 +24,7 @@ BRIEF = frozenset({"emotion"})
 #: Verb -> its row of the table. `mode: normal` is the stop, whatever this says of `mode`.
 KINDS: Mapping[str, InputKind] = {
     "play": InputKind.ANIMATION,
+    "play_move": InputKind.ANIMATION,
     "pose": InputKind.POSE,
     "poses": InputKind.POSE,
     "home": InputKind.POSE,
@@ -61,6 +62,8 @@ _BOTH = Range(-1, 1)
 _ANGLE, _METRES = Range(-180, 180, "degrees"), Range(-100, 100, "m")
 #: No movement takes longer than a day.
 _DAY = Range(0, 86_400, "s")
+_PACE = Argument("speed", "number", "1: as written", default=1.0, range=Range(0.1, 5))
+_SIZE = Argument("amplitude", "number", "1: as written", default=1.0, range=Range(0, 3))
 _SECONDS = Argument("seconds", "seconds", "in how long; empty: as fast as it may", range=_DAY)
 _EASING = Argument("easing", "choice", "how it gets there", choices=GAZE_EASINGS)
 
@@ -72,9 +75,20 @@ def body_verbs(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
         common_verb(
             "play",
             "",
-            Argument("speed", "number", "1: as written", default=1.0, range=Range(0.1, 5)),
-            Argument("amplitude", "number", "1: as written", default=1.0, range=Range(0, 3)),
+            _PACE,
+            _SIZE,
             choices=tuple(moves),
+        ),
+        Verb(
+            "play_move",
+            "play a move that is given whole, as the text of a move file",
+            (
+                Argument("move", "text", "name, frames and layers", required=True),
+                _PACE,
+                _SIZE,
+            ),
+            lane="body",
+            limit_s=120.0,
         ),
         common_verb("pose", "", _SECONDS, _EASING, limit_s=30.0, arrives=True),
         common_verb("poses", "", _EASING, limit_s=120.0, arrives=True),

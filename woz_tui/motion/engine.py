@@ -20,9 +20,11 @@ from woz_tui.motion.engine_io import InputResult, Tick
 from woz_tui.motion.face_control import FaceControl
 from woz_tui.motion.face_drawing import FaceState, draw, prepare
 from woz_tui.motion.joint_control import ARRIVED, JointController, known_angles, start_pose
+from woz_tui.motion.keyframes import KeyframeMove
 from woz_tui.motion.kinematics import Aim, KinematicChain
 from woz_tui.motion.light_frames import LightFrame, blank
 from woz_tui.motion.modes import BLINKS, BREATHES, InputKind, Mode, Operator, is_accepted
+from woz_tui.motion.move_files import MoveFileError, read_move_text
 from woz_tui.motion.move_types import Move
 from woz_tui.motion.personality import CurrentPersonality
 from woz_tui.motion.pose_blending import Breathing, PoseFilter
@@ -47,7 +49,7 @@ MOST_POSES, LONGEST_POSE_S = 1000, 86_400.0
 #: A nudge takes at least so long, in seconds: held arrow keys become one even movement.
 NUDGE_S = 0.15
 #: Inputs of which is known beforehand how long they take.
-FORESEEN = frozenset({"play", "pose", "poses", "home", "gaze"})
+FORESEEN = frozenset({"play", "play_move", "pose", "poses", "home", "gaze"})
 #: The move that the mode `demo` plays.
 DEMO = "demo"
 #: Time that counts between two ticks at most, in seconds; whoever slept longer goes on from there.
@@ -129,11 +131,14 @@ class Engine:
         self._joint_controller = JointController(shape, self._pose_filter, pose)
         self._face = FaceControl(seed, self._token)
         self._personality = CurrentPersonality(shape.personality, shape.personalities)
+        #: The text of a move that was given whole, and that move.
+        self._given: tuple[str | None, Move] = None, KeyframeMove("", "", ())
         self._tokens = 0
         #: Seconds since the engine began, as of the last tick.
         self._now = 0.0
         self._handlers: Mapping[str, Callable[[Args], InputResult]] = {
             "play": self._play,
+            "play_move": self._play_move,
             "pose": self._pose,
             "poses": self._poses,
             "home": self._home,
@@ -289,7 +294,24 @@ class Engine:
     # -- moves, gaze, pose ----------------------------------------------------------------------
 
     def _play(self, args: Args) -> InputResult:
-        move = self._moves[args["move"]]
+        return self._play_any(self._moves[args["move"]], args)
+
+    def _play_move(self, args: Args) -> InputResult:
+        text = args["move"]
+        if text != self._given[0]:
+            self.read_move(text)
+        return self._play_any(self._given[1], args)
+
+    def read_move(self, text: str) -> None:
+        """Read what `play_move` will be given, so that no tick waits for it. Raises
+        `RejectedError`.
+        """
+        try:
+            self._given = text, read_move_text(text, self._shape)
+        except MoveFileError as error:
+            raise RejectedError(f"this is no move: {error.problems[0]}") from None
+
+    def _play_any(self, move: Move, args: Args) -> InputResult:
         pace = self._personality["tempo"], self._personality["speed"]
         if self._predicts:
             foreseen = MovePlayback(move, self._shape, args["speed"], args["amplitude"], 0)

@@ -62,57 +62,14 @@ ROLE_KEYS: Mapping[str, str] = {
 Keys = Callable[[float], list[bytes]]
 
 
-class KeyboardTake:
-    """Counts in, performs, shows; `keys`, `clock` and `show` are the terminal.
+class PuppetKeys:
+    """What the keys of a take do to a body."""
 
-    A text that begins with a carriage return is drawn over the line before.
-    """
-
-    def __init__(
-        self,
-        puppeteer: Puppeteer,
-        shape: BodyShape,
-        keys: Keys,
-        count_in: float,
-        seconds: float,
-        *,
-        clock: Callable[[], float],
-        show: Callable[[str], None],
-    ) -> None:
+    def __init__(self, puppeteer: Puppeteer, shape: BodyShape) -> None:
         self._puppeteer = puppeteer
         self._shape = shape
-        self._keys = keys
-        self._count_in = count_in
-        self._seconds = seconds
-        self._clock = clock
-        self._show = show
         self._joints = dict(zip(shape.joints, zip(RAISE, LOWER, strict=True), strict=False))
         self._eyes = [0.0, 0.0]
-        self._drawn = -DRAW_S
-
-    def perform(self, width: int) -> bool:
-        """Until space, or until the time is over; whether it shall be kept. `width`: columns of the
-        screen.
-        """
-        self._show("\n".join(self.help(width)) + "\n")
-        origin = self._clock()
-        began: float | None = None
-        while True:
-            t = self._clock() - origin
-            tick = self._puppeteer.tick(t)
-            if began is None and t >= self._count_in:
-                self._puppeteer.begin()
-                began = t
-            if began is not None and t - began >= self._seconds:
-                return True
-            self._line(tick, t, began)
-            for key in self._keys(1 / RATE):
-                if key in GIVE_UP:
-                    return False
-                if key in DONE and began is not None:
-                    self._puppeteer.tick(self._clock() - origin)
-                    return True
-                self._press(key)
 
     def help(self, width: int) -> list[str]:
         """The keys that do something to this body, in lines of `width` at most."""
@@ -125,16 +82,7 @@ class KeyboardTake:
         rows += [["space: done", "escape: cancel"]]
         return [line for row in rows for line in _lines(row, width)]
 
-    def _line(self, tick: Tick, t: float, began: float | None) -> None:
-        if t < self._drawn + DRAW_S:
-            return
-        self._drawn = t
-        head = f"in {self._count_in - t:3.1f} s" if began is None else f"REC {t - began:5.1f} s"
-        joints = "  ".join(f"{name} {angle:+6.1f}" for name, angle in tick.joints.items())
-        move = f"  with {tick.move}" if tick.move else ""
-        self._show(f"\r{head}  {joints}  {tick.emotion}{move}")
-
-    def _press(self, key: bytes) -> None:
+    def press(self, key: bytes) -> None:
         """Keys that mean nothing, and inputs that make no sense now, do nothing."""
         with contextlib.suppress(RejectedError):
             if key in EMOTIONS:
@@ -163,6 +111,66 @@ class KeyboardTake:
         wished = (self._eyes[0] + x, self._eyes[1] + y)
         self._eyes = [min(1.0, max(-1.0, value)) for value in wished]
         self._puppeteer.apply("look", {"x": self._eyes[0], "y": self._eyes[1]})
+
+
+class KeyboardTake:
+    """Counts in, performs, shows; `keys`, `clock` and `show` are the terminal.
+
+    A text that begins with a carriage return is drawn over the line before.
+    """
+
+    def __init__(
+        self,
+        puppeteer: Puppeteer,
+        shape: BodyShape,
+        keys: Keys,
+        count_in: float,
+        seconds: float,
+        *,
+        clock: Callable[[], float],
+        show: Callable[[str], None],
+    ) -> None:
+        self._puppeteer = puppeteer
+        self._keys = keys
+        self._count_in = count_in
+        self._seconds = seconds
+        self._clock = clock
+        self._show = show
+        self._hand = PuppetKeys(puppeteer, shape)
+        self._drawn = -DRAW_S
+
+    def perform(self, width: int) -> bool:
+        """Until space, or until the time is over; whether it shall be kept. `width`: columns of the
+        screen.
+        """
+        self._show("\n".join(self._hand.help(width)) + "\n")
+        origin = self._clock()
+        began: float | None = None
+        while True:
+            t = self._clock() - origin
+            tick = self._puppeteer.tick(t)
+            if began is None and t >= self._count_in:
+                self._puppeteer.begin()
+                began = t
+            if began is not None and t - began >= self._seconds:
+                return True
+            self._line(tick, t, began)
+            for key in self._keys(1 / RATE):
+                if key in GIVE_UP:
+                    return False
+                if key in DONE and began is not None:
+                    self._puppeteer.tick(self._clock() - origin)
+                    return True
+                self._hand.press(key)
+
+    def _line(self, tick: Tick, t: float, began: float | None) -> None:
+        if t < self._drawn + DRAW_S:
+            return
+        self._drawn = t
+        head = f"in {self._count_in - t:3.1f} s" if began is None else f"REC {t - began:5.1f} s"
+        joints = "  ".join(f"{name} {angle:+6.1f}" for name, angle in tick.joints.items())
+        move = f"  with {tick.move}" if tick.move else ""
+        self._show(f"\r{head}  {joints}  {tick.emotion}{move}")
 
 
 def _lines(entries: list[str], width: int) -> Iterator[str]:

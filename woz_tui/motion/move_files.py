@@ -21,7 +21,7 @@ from typing import Annotated
 
 from woz_tui.config.annotated_decoder import fields_of, read_section
 from woz_tui.config.file_position import FilePosition, Problem
-from woz_tui.config.file_text import SourceFile
+from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.yaml_cursor import (
     Cursor,
@@ -382,6 +382,26 @@ def read_move(path: Path, shape: BodyShape) -> KeyframeMove:
     report = ProblemReport()
     _, root = _root(path, report)
     move = None if root is None else decode(root, path, shape)
+    if move is None or report.errors:
+        raise MoveFileError(report.errors)
+    return move
+
+
+def read_move_text(text: str, shape: BodyShape) -> KeyframeMove:
+    """The move of a file's text, whose sounds are named by their whole paths. Raises
+    `MoveFileError`.
+    """
+    report = ProblemReport()
+    path = Path("/move.yaml")
+    move = None
+    try:
+        source = read_source(path, "move", text.encode("utf-8", "replace"))
+    except SourceFileError as error:
+        place = FilePosition("move", error.line, error.column)
+        raise MoveFileError([Problem(place, "move", error.message)]) from error
+    root = document(source, report, "a move, such as name: greet")
+    if root is not None:
+        move = decode(root, path, shape)
     if move is None or report.errors:
         raise MoveFileError(report.errors)
     return move

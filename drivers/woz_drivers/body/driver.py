@@ -12,6 +12,7 @@ from woz_drivers.body import doctor
 from woz_drivers.body.servo_feedback import MOVING, MotionWatch, joint_troubles
 from woz_drivers.body.settings import BodySettings, move_changes
 from woz_drivers.body.tick_loop import BodyLoop, ThreadTicker
+from woz_tui.drivers import argument_values
 from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.confirmed_stop import AGAIN_S
 from woz_tui.drivers.contract import (
@@ -44,7 +45,7 @@ STOP_S = 0.4
 #: The thread is given so long to end; one tick is enough.
 JOIN_S, LOOK_S = 2.0, 0.005
 #: What is over when its joints are there.
-_AWAITED = ("play", "pose", "poses", "home")
+_AWAITED = ("play", "play_move", "pose", "poses", "home")
 #: A named pose takes so long at speed 1, in seconds.
 POSE_S = 1.0
 
@@ -144,6 +145,8 @@ class Body(RenderedDriver):
         named = _named(args)
         if self.loop.feedback is not None and job.verb in MOVING:
             self.loop.feedback.need(named or self.settings.joints, self._events.time())
+        if verb == "play_move":  # here: no tick waits for the reading
+            self.loop.engine.read_move(argument_values.text(args, "move"))
         answer = self.loop.apply(verb, args, operator_of(job.source))
         if verb == "mode" and args.get("mode") == Mode.TRACKING.value and not self.settings.camera:
             self.context.notice("warning", *BLIND)

@@ -11,7 +11,7 @@ from woz_tui.drivers.contract import DeviceLostError, DriverContext, DriverError
 from woz_tui.motion.body_feeds import PRESENT, JointPositions
 
 #: Verbs that move joints.
-MOVING = ("play", "pose", "poses", "home", "gaze", "nudge", "joints")
+MOVING = ("play", "pose", "poses", "home", "gaze", "nudge", "joints", "play_move")
 #: Older news of the servos count no more, in seconds.
 FRESH_S = 0.5
 #: So near to its setpoint a joint is there, in degrees.

@@ -181,7 +181,7 @@ def parse_driving_call(call: str) -> tuple[str, str]:
 
 
 def _refuse_mode(service: str, method: str, args: list[Json]) -> None:
-    """Raise `RejectedError` for a mode in which the robot follows people with more than its head."""
+    """Raise `RejectedError` for a mode in which more than the head follows people."""
     name = f"{service}.{method}"
     if name.casefold() in _BY_MODE and args != [STILL_MODE]:
         mode = ", ".join(map(str, args)) or "no mode"

@@ -131,6 +131,34 @@ def test_replacing_a_move_ends_it_and_begins_anew(tmp_path: Path) -> None:
     assert "ActionDone" in rig.kinds(m.ActionDone)
 
 
+NOD = "name: mine\nframes:\n  - {seconds: 0.4, nod: 20}\n  - {seconds: 0.4, nod: 0}\n"
+
+
+def test_a_move_given_whole_plays_as_any_other_and_ends_with_the_stop(tmp_path: Path) -> None:
+    async def scenario(rig: BodySession) -> None:
+        rig.session.send("play_move", {"move": NOD}, "body", PROGRAM)
+        await asyncio.sleep(0.4)
+        assert rig.values("setpoint.top")[-1] > rig.values("setpoint.top")[0] + 10
+        await asyncio.sleep(2)
+        rig.session.send("play_move", {"move": NOD.replace("0.4", "5")}, "body", PROGRAM)
+        await asyncio.sleep(1)
+        rig.session.stop("key")
+        await asyncio.sleep(0.6)
+        assert "body" in rig.of(m.StopConfirmed)[-1].confirmed
+        rig.session.send("play_move", {"move": NOD}, "body", PROGRAM)
+        rig.session.release("key")
+        rig.session.send("play_move", {"move": "name: mine\nframes: [{nod: 3}]"}, "body", PROGRAM)
+        await asyncio.sleep(0.5)
+
+    rig = on_stage(tmp_path, scenario)
+    done = rig.of(m.Done)
+    assert [(one.sent["move"], one.sent["seconds"]) for one in done] == [("mine", 0.8)]
+    assert len(rig.kinds(m.Stopped)) == 1
+    pressed, unreadable = rig.of(m.Refused)
+    assert pressed.code == "stopped"
+    assert "seconds" in unreadable.reason
+
+
 @pytest.mark.toolkit("U1", "P5")
 def test_the_show_is_played_to_its_end_by_two_robots(tmp_path: Path) -> None:
     async def scenario(rig: BodySession) -> None:

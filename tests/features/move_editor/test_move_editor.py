@@ -11,7 +11,10 @@ import pytest
 from textual.pilot import Pilot
 
 from tests.cli.test_render import CALM
+from tests.host.rig import served_session
+from tools import ROOT
 from woz_tui.cli import main
+from woz_tui.config.loading import load
 from woz_tui.console.drawing.cells import Cells
 from woz_tui.drivers import plugins
 from woz_tui.features.move_editor.app import MoveEditorApp
@@ -19,6 +22,7 @@ from woz_tui.features.move_editor.move_file import EditedFile
 from woz_tui.motion.keyframes import KeyframeMove
 from woz_tui.motion.move_files import read_move
 from woz_tui.motion.render_target import RenderTarget
+from woz_tui.protocol.messages import Command, Stopped
 from woz_tui.system.clock import ManualClock
 
 Story = Callable[["EditorRig"], Awaitable[None]]
@@ -74,11 +78,9 @@ def play(
     return rig
 
 
-#: A nod from nothing: down to the row `nod`, 20 degrees at 0.3 s, back at 0.6 s.
-NOD = (
-    *("down", "shift+right", "shift+right", "shift+right", "2", "0", "enter"),
-    *("shift+right", "shift+right", "shift+right", "0", "enter"),
-)
+PAGE = (ROOT / "docs" / "how-to" / "edit-move.md").read_text("utf-8")
+#: A nod from nothing, by the keys of the page.
+NOD = tuple(PAGE.partition("```text")[2].partition("```")[0].split())
 WRITTEN = """
 name: yes
 frames:
@@ -92,9 +94,9 @@ def test_a_nod_from_nothing(
     tmp_path: Path, size: tuple[int, int], capsys: pytest.CaptureFixture[str]
 ) -> None:
     async def story(rig: EditorRig) -> None:
+        assert len(NOD) == 14
         await rig.press(*NOD)
         assert rig.row("main").count("◆") == 2
-        await rig.press("s")
         assert "saved: " in rig.text
         await rig.press("q")
         assert not rig.app.is_running
@@ -249,6 +251,214 @@ def test_face_and_body_are_drawn_at_the_moment(tmp_path: Path) -> None:
         assert rig.move.layers[0].frames[0].intensity == 1.0  # an emotion is seen when it is chosen
 
     play(tmp_path, story, WRITTEN)
+
+
+# -- the time line enlarged ------------------------------------------------------------------------
+
+
+def test_the_time_line_is_enlarged_about_the_moment(tmp_path: Path) -> None:
+    async def story(rig: EditorRig) -> None:
+        ruler = rig.text.splitlines()[1]
+        assert "0.5" in ruler and "1" in ruler.split()
+        columns = [number for number, sign in enumerate(rig.row("main")) if sign == "◆"]
+        await rig.press("right", "z", "z")
+        assert "x4" in rig.text.splitlines()[1]
+        assert rig.row("main").count("◆") == 1 < len(columns)  # the other one is beyond the end
+        await rig.press(*["z"] * 9)
+        assert "x32" in rig.text.splitlines()[1]
+        await rig.press(*["Z"] * 9)
+        assert rig.text.splitlines()[1] == ruler
+
+    play(tmp_path, story, WRITTEN)
+
+
+# -- takes -----------------------------------------------------------------------------------------
+
+
+async def seconds_pass(rig: EditorRig, seconds: float, step: float = 0.1) -> None:
+    """Time passes while somebody looks."""
+    assert rig.pilot is not None
+    for _ in range(round(seconds / step)):
+        rig.clock.advance(step)
+        rig.app.look_now()
+        await rig.pilot.pause()
+
+
+@pytest.mark.parametrize("size", [(80, 24), (100, 36)])
+def test_a_take_is_made_onto_a_new_layer_while_the_others_play(
+    tmp_path: Path, size: tuple[int, int]
+) -> None:
+    async def story(rig: EditorRig) -> None:
+        await rig.press("r")
+        assert "take begins in 3.0 s" in rig.text
+        assert "up/down: nod" in rig.text  # the hand's own keys
+        before = rig.app.preview.at(0.4)
+        await seconds_pass(rig, 3.4)
+        assert "REC 0.4 s" in rig.text
+        take = rig.app.take
+        assert take is not None and before is not None
+        # The layer that was there plays: pan and nod are under way.
+        assert take.tick.joints["top"] == pytest.approx(before.joints["top"], abs=2)
+        await rig.press(*["pageup"] * 4, "left")
+        await seconds_pass(rig, 0.6)
+        await rig.press("space")
+        assert "taken as take-1" in rig.text
+        assert [layer.name for layer in rig.move.layers] == ["main", "take-1"]
+        assert rig.row("take-1").strip().startswith("> take-1")
+        await rig.press("u")
+        assert [layer.name for layer in rig.move.layers] == ["main"]
+        await rig.press("ctrl+r", "s")
+
+    rig = play(tmp_path, story, WRITTEN, size=size)
+    [take] = [layer for layer in rig.saved.layers if layer.name == "take-1"]
+    assert take.samples is not None
+    assert any(values[-1] != 0 for values in take.samples.joints.values())
+    for tick in rig.app.preview.ticks:
+        for name, joint in rig.target.spec.settings.joints.items():
+            assert joint.min <= tick.joints[name] <= joint.max
+
+
+def test_a_take_is_given_up_by_escape(tmp_path: Path) -> None:
+    async def story(rig: EditorRig) -> None:
+        await rig.press("r")
+        await seconds_pass(rig, 3.4)
+        await rig.press("down", "down", "escape")
+        assert "given up" in rig.text
+        assert len(rig.move.layers) == 1
+        await rig.press("r", "space")
+        assert "no movement" in rig.text
+        assert not rig.app.edited.unsaved
+
+    play(tmp_path, story, WRITTEN)
+
+
+LONG = """
+name: yes
+frames:
+  - {seconds: 0.5, nod: 6, easing: linear}
+  - {seconds: 0.5, nod: 0, easing: linear}
+  - {seconds: 0.5, nod: 6, easing: linear}
+  - {seconds: 0.5, nod: 0, easing: linear}
+"""
+
+
+def test_acting_a_layer_again_makes_it_larger_and_keeps_its_timing(tmp_path: Path) -> None:
+    async def story(rig: EditorRig) -> None:
+        await rig.press("down", "f")  # the row `nod`
+        await seconds_pass(rig, 3.2)
+        for keys in (["down"] * 4, ["up"] * 4) * 2:  # 12 degrees, a moment late
+            for key in keys:
+                await rig.press(key)
+                await seconds_pass(rig, 0.12, 0.06)
+        await rig.press("space")
+        assert "nod as you did it" in rig.text
+
+    rig = play(tmp_path, story, LONG)
+    frames = rig.move.layers[0].frames
+    assert [frame.at for frame in frames] == [0.5, 1.0, 1.5, 2.0]
+    heights = [frame.roles["nod"] for frame in frames]
+    assert heights[0] == heights[2] == pytest.approx(12, abs=2.5)
+    assert heights[1] == heights[3] == pytest.approx(0, abs=2.5)
+
+
+def test_only_what_is_there_can_be_acted_again(tmp_path: Path) -> None:
+    async def story(rig: EditorRig) -> None:
+        await rig.press("down", "down", "f")  # lean, which no frame names
+        await seconds_pass(rig, 3.2)
+        await rig.press("pageup")
+        await seconds_pass(rig, 0.4)
+        await rig.press("space")
+        assert "says nothing of lean" in rig.text
+        await rig.press("l", "f")
+        assert "nothing to act again" in rig.text
+
+    play(tmp_path, story, WRITTEN)
+
+
+# -- on the body of a session ----------------------------------------------------------------------
+
+EXPERIMENT = (
+    "title: T\nrobot: calm.yaml\npanels: [{title: P, actions: [{key: a, label: A, play: nod}]}]\n"
+)
+
+
+async def until(rig: EditorRig, holds: Callable[[], bool]) -> None:
+    assert rig.pilot is not None
+    async with asyncio.timeout(20):
+        while not holds():
+            await rig.pilot.pause(0.01)
+
+
+@pytest.mark.safety
+@pytest.mark.real_clock
+def test_an_edit_plays_on_the_body_of_a_session_under_its_stop(tmp_path: Path) -> None:
+    rig = EditorRig(tmp_path, WRITTEN.replace("0.4", "4"))
+    file = tmp_path / "e.yaml"
+    file.write_text(EXPERIMENT, encoding="utf-8")
+    made = load(file, plugins.installed())
+
+    async def whole() -> None:
+        async with served_session(tmp_path, made=made, catalogue=plugins.installed()) as served:
+            app = MoveEditorApp(
+                rig.target,
+                EditedFile(rig.file, rig.target.spec.settings),
+                clock=rig.clock,
+                session=str(served.path),
+            )
+            rig.app = app
+            async with app.run_test(size=(100, 36)) as pilot:
+                rig.pilot = pilot
+                await until(rig, lambda: "escape is its session's stop" in rig.text)
+                await rig.press("right", "+")  # not saved: it plays all the same
+                await rig.press("P")
+                await until(rig, lambda: "plays on" in rig.text)
+                begun = await served.published(
+                    lambda line: isinstance(line, Command) and line.verb == "play_move"
+                )
+                assert isinstance(begun, Command)
+                assert "nod: 20" in str(begun.args["move"]) and "pan: 11" in str(begun.args["move"])
+                await served.until(lambda: served.values("setpoint.top")[-1:] > [32.0])
+                await rig.press("escape")
+                await until(rig, lambda: "stopped, confirmed by" in rig.text)
+                assert app.is_running
+                await served.published(lambda line: isinstance(line, Stopped))
+                await rig.press("P")
+                await until(rig, lambda: "stop is pressed" in rig.text or "release" in rig.text)
+                await rig.press("R")
+                await until(rig, lambda: "the stop is released" in rig.text)
+                await rig.press("P")
+                await until(rig, lambda: "plays on" in rig.text)
+                await rig.press("q", "q")
+            # What it played ends with it.
+            await served.until(lambda: len(served.of(Stopped)) == 2)
+
+    asyncio.run(whole())
+
+
+def test_without_a_session_it_says_how_to_play_on_a_body(tmp_path: Path) -> None:
+    async def story(rig: EditorRig) -> None:
+        await rig.press("P")
+        assert "--session" in rig.text
+
+    play(tmp_path, story, WRITTEN)
+
+
+def test_a_session_that_is_not_there_is_told(tmp_path: Path) -> None:
+    rig = EditorRig(tmp_path, WRITTEN)
+    rig.app = MoveEditorApp(
+        rig.target,
+        EditedFile(rig.file, rig.target.spec.settings),
+        session=str(tmp_path / "none.sock"),
+    )
+
+    async def whole() -> None:
+        async with rig.app.run_test(size=(100, 36)) as pilot:
+            rig.pilot = pilot
+            await until(rig, lambda: "no body to play on" in rig.text)
+            await rig.press("P")
+            assert "not there" in rig.text
+
+    asyncio.run(whole())
 
 
 def test_without_a_terminal_it_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -315,6 +315,7 @@ complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a edit-m
 complete -c woz -n '_shtab_woz_using edit-move' -s h -l help -d 'show this help message and exit'
 complete -c woz -n '_shtab_woz_using edit-move' -l robot -xka "(__fish_complete_path (commandline -ct))" -d 'robot or experiment file with the body'
 complete -c woz -n '_shtab_woz_using edit-move' -l body -x -d 'driver, if there are several bodies'
+complete -c woz -n '_shtab_woz_using edit-move' -l session -x -d 'play on the body of this session, too (default: the only one)'
 complete -c woz -n '_shtab_woz_using edit-move; and test $_shtab_woz_npos -eq 0' -ka "(__fish_complete_path (commandline -ct))" -d 'move file; it is made if it does not exist'
 complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a hands -d 'play with a gamepad, Stream Deck, 6-D mouse or the like, also over ssh'
 complete -c woz -n '_shtab_woz_using hands' -s h -l help -d 'show this help message and exit'

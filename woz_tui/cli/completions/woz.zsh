@@ -316,6 +316,7 @@ _shtab_woz_edit_move_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
   "--robot[robot or experiment file with the body]:robot:_files"
   "--body[driver, if there are several bodies]:body:"
+  "--session[play on the body of this session, too (default\: the only one)]:session:"
   ":move file\; it is made if it does not exist:_files"
 )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -17,16 +18,24 @@ from woz_tui.console.drawing.glyphs import UNICODE, PaintFrame
 from woz_tui.console.drawing.partial_update import PartialScreen
 from woz_tui.console.drawing.theme import SIXTEEN, THEMES, Appearance
 from woz_tui.console.state.driver_outlines import body_outlines, outlines_of
+from woz_tui.drivers.background import BackgroundTasks
+from woz_tui.drivers.contract import RejectedError
 from woz_tui.features.move_editor.drawing import EditorState, rows_of
-from woz_tui.features.move_editor.edited_move import EditedMove, EditError
-from woz_tui.features.move_editor.move_file import EditedFile
+from woz_tui.features.move_editor.edited_move import EMOTION, INTENSITY, EditedMove, EditError
+from woz_tui.features.move_editor.hand_take import HandTake, take_name
+from woz_tui.features.move_editor.mimicry import MimicError, mimicked
+from woz_tui.features.move_editor.move_file import EditedFile, whole
 from woz_tui.features.move_editor.preview import MovePreview
-from woz_tui.motion.move_writer import WriteError
+from woz_tui.features.move_editor.session_body import SessionBody
+from woz_tui.motion.move_writer import WriteError, move_text
 from woz_tui.motion.render_target import RenderTarget
 from woz_tui.system.clock import Clock, RealClock
+from woz_tui.system.tasks import end_tasks
 
 #: Steps of the playhead, of values; seconds between two pictures while it plays.
 _TICK, _FAR, _SMALL, _PICTURE_S = 0.02, 0.1, 0.1, 0.04
+#: How many times the time line is enlarged at most.
+_MOST_ZOOM = 32
 
 
 class MoveEditorApp(App[None], inherit_bindings=False):
@@ -37,6 +46,7 @@ class MoveEditorApp(App[None], inherit_bindings=False):
         file: The move's file.
         look: Signs and colours for this terminal.
         clock: Plays by it.
+        session: Code or socket of a session on whose body it plays, too; empty: the only one.
     """
 
     CSS_PATH = Path(__file__).parents[2] / "console" / "drawing" / "woz.tcss"
@@ -50,6 +60,7 @@ class MoveEditorApp(App[None], inherit_bindings=False):
         look: Appearance | None = None,
         clock: Clock | None = None,
         driver_class: type[Driver] | None = None,
+        session: str | None = None,
     ) -> None:
         look = look or Appearance(UNICODE)
         super().__init__(driver_class=driver_class, ansi_color=look.theme == SIXTEEN.name or None)
@@ -68,6 +79,13 @@ class MoveEditorApp(App[None], inherit_bindings=False):
         #: Where it began to play, and when; None: it does not.
         self._played: tuple[float, int] | None = None
         self._leaving = False
+        self._zoom = 1
+        #: The take that is made; whether it acts the row again.
+        self.take: HandTake | None = None
+        self._mimics = False
+        self._body = None if session is None else SessionBody(session, target.body, self._tell)
+        self._following: asyncio.Task[None] | None = None
+        self._requests = BackgroundTasks("asking the session")
         self._screen = Cells(id="editor")
         self._keys: Mapping[str, Callable[[], object]] = self._bound()
 
@@ -81,7 +99,18 @@ class MoveEditorApp(App[None], inherit_bindings=False):
 
     def on_mount(self) -> None:
         """Show it, and play in pictures."""
-        self.set_interval(_PICTURE_S, self._go_on)
+        self.set_interval(_PICTURE_S, self.look_now)
+        if self._body is not None:
+            self._following = asyncio.create_task(self._body.follow(), name="edit-move session")
+        self._paint()
+
+    async def on_unmount(self) -> None:
+        """What plays on a body ends."""
+        await self._requests.close(0.0)
+        await end_tasks(self._following)
+
+    def _tell(self, text: str) -> None:
+        self._news = text
         self._paint()
 
     def on_cells_resized(self) -> None:
@@ -126,6 +155,12 @@ class MoveEditorApp(App[None], inherit_bindings=False):
             "[": self._from_here,
             "]": self._to_here,
             "space": self._play,
+            "P": self._play_on_body,
+            "R": self._release,
+            "r": self._record,
+            "f": self._act_again,
+            "z": partial(self._enlarge, 2),
+            "Z": partial(self._enlarge, -2),
             "s": self._save,
             "q": self._quit,
         }
@@ -139,6 +174,9 @@ class MoveEditorApp(App[None], inherit_bindings=False):
         leaving, self._leaving = self._leaving, False
         if event.key == "escape":
             self._stop()
+            self._stop_body()
+        elif self.take is not None:
+            self._perform(str(name))
         elif not self._type(str(name)):
             self._leaving = leaving and name in ("q", "s")
             self._do(self._keys.get(str(name)))
@@ -191,14 +229,19 @@ class MoveEditorApp(App[None], inherit_bindings=False):
             self._played = (at if begin <= at < end - 1e-6 else begin), self._clock.now_us()
 
     def _stop(self) -> None:
-        """It plays no more, and nothing is being typed; the editor stays."""
-        self._played, self._typed = None, ""
+        """It plays no more, nothing is taken, and nothing is being typed; the editor stays."""
+        if self.take is not None:
+            self._news = "the take is given up"
+        self._played, self._typed, self.take = None, "", None
 
     def _bounds(self) -> tuple[float, float]:
         return self._piece or (0.0, self.edited.move.length)
 
-    def _go_on(self) -> None:
-        """The next picture of what plays."""
+    def look_now(self) -> None:
+        """The next picture of what plays, or is taken."""
+        if self.take is not None:
+            self._go_on_taking(self.take)
+            return
         if self._played is None:
             return
         began, since = self._played
@@ -221,6 +264,95 @@ class MoveEditorApp(App[None], inherit_bindings=False):
         self._piece = None if whole or end - begin < _FAR else (begin, end)
         if self._piece is None:
             self._news = "all of it is played"
+
+    def _enlarge(self, by: int) -> None:
+        """The time line twice as large, or half."""
+        zoom = self._zoom * 2 if by > 0 else self._zoom // 2
+        self._zoom = min(_MOST_ZOOM, max(1, zoom))
+
+    # -- on the body of a session --------------------------------------------------------------
+
+    def _play_on_body(self) -> None:
+        if self._body is None:
+            self._news = "no session: woz edit-move FILE --robot FILE --session plays on its body"
+        elif self.edited.move.length <= 0:
+            self._news = "there is nothing to play yet"
+        else:
+            # Sounds of a move are named from its file: from the root on there they are whole.
+            self._requests.start(self._body.play(move_text(whole(self.edited.move), Path("/"))))
+
+    def _stop_body(self) -> None:
+        if self._body is not None:
+            self._news = "stop"
+            self._requests.start(self._body.stop())
+
+    def _release(self) -> None:
+        if self._body is not None:
+            self._requests.start(self._body.release())
+
+    # -- takes -----------------------------------------------------------------------------------
+
+    def _record(self) -> None:
+        """A take onto a new layer."""
+        self._begin_take(take_name(self.edited.move), mimics=False)
+
+    def _act_again(self) -> None:
+        """The row of the hand acted again, which changes its size and place."""
+        if self.edited.row in (EMOTION, INTENSITY):
+            self._news = "a role or a joint can be acted again"
+        elif self.edited.layer.length <= 0:
+            self._news = "there is nothing to act again in this layer yet"
+        else:
+            self._begin_take(self.edited.layer.name, mimics=True)
+
+    def _begin_take(self, layer: str, *, mimics: bool) -> None:
+        self._played = None
+        shape = self._target.spec.settings
+        self.take = HandTake(shape, self.edited.move, layer, self._seconds)
+        self._mimics = mimics
+
+    def _seconds(self) -> float:
+        return self._clock.now_us() / 1_000_000
+
+    def _go_on_taking(self, take: HandTake) -> None:
+        try:
+            over = take.go_on()
+        except RejectedError as refused:
+            self.take, self._news = None, f"the take cannot begin: {refused.what}"
+            over = False
+        if over:
+            self._end_take(take)
+        self.edited.go(take.place * self.preview.tempo)
+        self._shown_anew()
+
+    def _perform(self, key: str) -> None:
+        take = self.take
+        assert take is not None
+        if key in ("space", "enter"):
+            take.go_on()
+            self._end_take(take)
+        else:
+            take.press(key)
+
+    def _end_take(self, take: HandTake) -> None:
+        self.take = None
+        layer = take.taken(trim=not self._mimics)
+        if layer is None:
+            self._news = "this take has no movement"
+        elif not self._mimics:
+            self.edited.add(layer)
+            self._news = f"taken as {layer.name}"
+        else:
+            row = self.edited.row
+            try:
+                changed, fit = mimicked(
+                    self.edited.layer, row, layer, self._bounds(), self._target.spec.settings
+                )
+            except MimicError as error:
+                self._news = str(error)
+                return
+            self.edited.put(changed)
+            self._news = f"{row} as you did it: {fit}"
 
     # -- the file ------------------------------------------------------------------------------
 
@@ -249,9 +381,17 @@ class MoveEditorApp(App[None], inherit_bindings=False):
         self._paint()
 
     def _paint(self) -> None:
-        state = EditorState(
-            self._file.path.name, self._news, self._typed, self._piece, self._played is not None
-        )
         width, height = self._screen.size
+        take = self.take
+        state = EditorState(
+            self._file.path.name,
+            self._news if take is None else take.said,
+            self._typed,
+            self._piece,
+            self._played is not None,
+            self._zoom,
+            None if take is None else take.tick,
+            () if take is None else tuple(take.help((width or 80) - 2)),
+        )
         frame = PaintFrame(width or 80, height or 24, 0, self.look.glyphs)
         self._screen.show(rows_of(self.edited, self.preview, self._outline, state, frame))

@@ -26,6 +26,12 @@ def add(parser: ArgumentParser) -> None:
         "--robot", type=Path, required=True, help="robot or experiment file with the body"
     )
     parser.add_argument("--body", default="", help="driver, if there are several bodies")
+    parser.add_argument(
+        "--session",
+        nargs="?",
+        const="",
+        help="play on the body of this session, too (default: the only one)",
+    )
 
 
 def run(arguments: Namespace) -> int:
@@ -45,5 +51,5 @@ def edit(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     from woz_tui.features.move_editor.app import MoveEditorApp  # noqa: PLC0415
 
     look = choose_appearance(os.environ, locale.getencoding())
-    MoveEditorApp(target, file, look=look).run()
+    MoveEditorApp(target, file, look=look, session=arguments.session).run()
     return 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from woz_tui.console.bodies.face_lights import brightness_look, light_rows
 from woz_tui.console.bodies.face_lights import size as face_size
@@ -15,7 +15,7 @@ from woz_tui.console.drawing.curves import KEY, MISSED, OFF, Curve, chart
 from woz_tui.console.drawing.glyphs import UNICODE, PaintFrame
 from woz_tui.console.state.driver_outlines import BodyOutline
 from woz_tui.features.move_editor.edited_move import EMOTION, EditedMove
-from woz_tui.features.move_editor.preview import MovePreview
+from woz_tui.features.move_editor.preview import RATE, MovePreview
 from woz_tui.motion.engine_io import Tick
 from woz_tui.motion.keyframes import MoveLayer
 
@@ -31,38 +31,52 @@ HELP = (
     *("←→ frame", ",. time", "↑↓ row", "+- value", "=_ small", "0-9 enter exact", "i insert"),
     *("x delete", "d copy", "<> move", "{} with all behind", "e easing", "c clear", "m mute"),
     *("a share", "l layer", "t trim", "v mirror", "[] loop", "space play", "esc stop", "u undo"),
-    *("^r redo", "s save", "q quit"),
+    *("^r redo", "zZ zoom", "r take", "f act again", "P body", "s save", "q quit"),
 )
 
 
 @dataclass(frozen=True, slots=True)
 class EditorState:
-    """What is shown beside the move: news, what is being typed, what is played, whether it is."""
+    """What is shown beside the move: news, what is being typed, what is played, whether it is; how
+    many times the time line is enlarged; the body while a take is made, and the keys of its hand.
+    """
 
     title: str
     news: str = ""
     typed: str = ""
     loop: tuple[float, float] | None = None
     playing: bool = False
+    zoom: int = 1
+    tick: Tick | None = None
+    keys: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class TimeAxis:
-    """`span` seconds or beats in so many cells; the playhead is in the cell `here`."""
+    """`span` seconds or beats from `begin` on, in so many cells; the playhead is in cell `here`."""
 
+    begin: float
     span: float
     cells: int
     here: int
 
     @classmethod
-    def of(cls, edited: EditedMove, width: int) -> TimeAxis:
-        """The axis in a screen of this width."""
-        span, cells = span_of(edited), max(8, width - NAMES - VALUES)
-        return cls(span, cells, _cell(edited.place.at, span, cells))
+    def of(cls, edited: EditedMove, width: int, zoom: int = 1) -> TimeAxis:
+        """The axis in a screen of this width; enlarged, it goes with the playhead."""
+        whole, cells = span_of(edited), max(8, width - NAMES - VALUES)
+        span = whole / zoom
+        begin = min(max(0.0, edited.place.at - span / 2), whole - span)
+        axis = cls(begin, span, cells, 0)
+        return replace(axis, here=min(cells - 1, max(0, axis.cell(edited.place.at))))
 
     def cell(self, at: float) -> int:
-        """Where a moment is."""
-        return _cell(at, self.span, self.cells)
+        """Where a moment is; beyond the cells where it is not shown."""
+        return round((at - self.begin) / self.span * (self.cells - 1))
+
+    def put(self, signs: list[str], at: float, sign: str) -> None:
+        """A sign at a moment, if that is shown."""
+        if 0 <= (cell := self.cell(at)) < self.cells:
+            signs[cell] = sign
 
 
 def span_of(edited: EditedMove) -> float:
@@ -81,16 +95,17 @@ def rows_of(
     """The whole screen."""
     beside = frame.width >= WIDE and outline is not None
     width = frame.width - (PICTURE if beside else 0)
-    lower = [*_curve(edited, preview, width)] if frame.height >= HIGH else []
+    lower = [*_curve(edited, preview, state.zoom, width)] if frame.height >= HIGH else []
     foot: list[Row] = [
         cut(((f" {state.news}", "warn"),), frame.width),
-        *(((f" {line}", "muted"),) for line in _help(frame.width - 2)),
+        *(((f" {line}", "muted"),) for line in state.keys or _help(frame.width - 2)),
     ]
     room = frame.height - 1 - len(foot)
     upper = _about_hand([*_time_line(edited, preview, state, width)], max(1, room - len(lower)))
     main = [*upper, *([()] * (room - len(upper) - len(lower))), *lower]
     if beside and outline is not None:
-        main = _with_picture(main, width, preview.at(edited.place.at), outline, frame)
+        tick = state.tick or preview.at(edited.place.at)
+        main = _with_picture(main, width, tick, outline, frame)
     return [_title(edited, preview, state, frame), *main, *foot]
 
 
@@ -130,12 +145,14 @@ def _title(edited: EditedMove, preview: MovePreview, state: EditorState, frame: 
 def _time_line(
     edited: EditedMove, preview: MovePreview, state: EditorState, width: int
 ) -> Iterator[Row]:
-    axis = TimeAxis.of(edited, width)
-    yield ((" " * (NAMES + VALUES), "plain"), (_ruler(axis.span, axis.cells), "muted"))
+    axis = TimeAxis.of(edited, width, state.zoom)
+    enlarged = f"x{state.zoom}" if state.zoom > 1 else ""
+    yield ((f" {enlarged:<{NAMES + VALUES - 1}}", "muted"), (_ruler(axis), "muted"))
     if state.loop is not None:
         begin, end = map(axis.cell, state.loop)
-        bar = " " * begin + "[" + "=" * max(0, end - begin - 1) + "]"
-        yield ((f"{' loop':<{NAMES + VALUES}}", "muted"), (bar, "run"))
+        bar = [" "] * begin + ["["] + ["="] * max(0, end - begin - 1) + ["]"]
+        bar = bar[max(0, -begin) :] if begin < 0 else bar
+        yield ((f"{' loop':<{NAMES + VALUES}}", "muted"), ("".join(bar[: axis.cells]), "run"))
     for number, layer in enumerate(edited.move.layers):
         mine = number == edited.place.layer
         yield _layer_row(layer, preview, mine, axis)
@@ -144,28 +161,26 @@ def _time_line(
             yield _value_row(edited, row, typed, axis)
 
 
-def _ruler(span: float, cells: int) -> str:
-    step = next(s for s in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 600.0)
-                if span / s <= max(1, cells // 8))  # fmt: skip
-    line = [" "] * (cells + 8)
-    for count in range(math.floor(span / step + 1e-9) + 1):
+def _ruler(axis: TimeAxis) -> str:
+    step = next(s for s in (0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0, 600.0)
+                if axis.span / s <= max(1, axis.cells // 8))  # fmt: skip
+    line = [" "] * (axis.cells + 8)
+    first = math.ceil(axis.begin / step - 1e-9)
+    for count in range(first, math.floor((axis.begin + axis.span) / step + 1e-9) + 1):
         text = f"{count * step:g}"
-        place = _cell(count * step, span, cells)
+        place = axis.cell(count * step)
         line[place : place + len(text)] = text
-    return "".join(line[:cells])
-
-
-def _cell(at: float, span: float, cells: int) -> int:
-    return min(cells - 1, max(0, round(at / span * (cells - 1))))
+    return "".join(line[: axis.cells])
 
 
 def _layer_row(layer: MoveLayer, preview: MovePreview, mine: bool, axis: TimeAxis) -> Row:
     off = layer.muted or layer.share <= 0
     missed = {each.frame for each in preview.missed if each.layer == layer.name}
-    sounding = axis.cell(layer.length) + 1 if layer.length > 0 else 0
-    signs = ["─"] * sounding + [" "] * (axis.cells - sounding)
+    last = axis.cell(layer.length) if layer.length > 0 else -1
+    first = axis.cell(0.0)
+    signs = ["─" if first <= cell <= last else " " for cell in range(axis.cells)]
     for number, frame in enumerate(layer.frames, start=1):
-        signs[axis.cell(frame.at)] = OFF if off else MISSED if number in missed else KEY
+        axis.put(signs, frame.at, OFF if off else MISSED if number in missed else KEY)
     facts = "muted" if layer.muted else f"{layer.share:.0%}" if layer.share != 1 else ""
     name = fit(layer.name, NAMES - 2, UNICODE.ellipsis)
     return (
@@ -185,7 +200,7 @@ def _value_row(edited: EditedMove, row: str, typed: str | None, axis: TimeAxis) 
         if value is not None:
             known = True
             letter = row == EMOTION and isinstance(value, str)
-            signs[axis.cell(frame.at)] = str(value)[:1] if letter else "•"
+            axis.put(signs, frame.at, str(value)[:1] if letter else "•")
     here = edited.value(layer.frames[now], row) if now is not None else None
     text = "" if here is None else here if isinstance(here, str) else f"{here:g}"
     text = f"{typed}_" if typed else text
@@ -207,7 +222,7 @@ def _with_playhead(signs: list[str], here: int, look: str) -> Row:
     )
 
 
-def _curve(edited: EditedMove, preview: MovePreview, width: int) -> Iterator[Row]:
+def _curve(edited: EditedMove, preview: MovePreview, zoom: int, width: int) -> Iterator[Row]:
     """What the joint of the row does: wanted dotted, and how near it comes to its speed."""
     joints = preview.joints(edited.row)
     settings = preview.target.spec.settings
@@ -216,13 +231,19 @@ def _curve(edited: EditedMove, preview: MovePreview, width: int) -> Iterator[Row
         return
     joint = joints[0]
     shape = settings.joints[joint]
-    shown = round(span_of(edited) / preview.pace * 50) + 1
-    sent = [tick.joints[joint] for tick in preview.ticks][:shown]
-    wanted = [tick.wanted.get(joint, tick.joints[joint]) for tick in preview.ticks][:shown]
-    sent += sent[-1:] * (shown - len(sent))
-    wanted += wanted[-1:] * (shown - len(wanted))
-    curve = Curve(joint, sent, shape.min, shape.max, wanted=wanted)
-    speeds = [abs(b - a) * 50 for a, b in itertools.pairwise(sent)]
+    axis = TimeAxis.of(edited, width, zoom)
+    first = round(axis.begin / preview.pace * RATE)
+    shown = round(axis.span / preview.pace * RATE) + 1
+    sent = [tick.joints[joint] for tick in preview.ticks]
+    wanted = [tick.wanted.get(joint, tick.joints[joint]) for tick in preview.ticks]
+
+    def piece(values: list[float]) -> list[float]:
+        return [*values[first : first + shown], *values[-1:] * (first + shown - len(values))][
+            -shown:
+        ]
+
+    curve = Curve(joint, piece(sent), shape.min, shape.max, wanted=piece(wanted))
+    speeds = [abs(b - a) * RATE for a, b in itertools.pairwise(sent)]
     title, *lines = chart(curve, width - NAMES - VALUES + 8, CURVE - 1)
     pad = " " * (NAMES + VALUES - 8)
     facts = f"{pad}{title}  {max(speeds, default=0.0):.0f} of {shape.speed:g} deg/s"

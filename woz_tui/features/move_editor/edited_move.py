@@ -84,6 +84,7 @@ class EditedMove:
     def rows(self, layer: MoveLayer) -> list[str]:
         """What a layer's frames can say: roles, the joints that they name, the face."""
         named = dict.fromkeys(joint for frame in layer.frames for joint in frame.joints)
+        named |= dict.fromkeys(layer.samples.joints if layer.samples is not None else ())
         return [*ROLES, *named, EMOTION, INTENSITY]
 
     @property
@@ -314,6 +315,15 @@ class EditedMove:
         name = next(n for n in (f"layer-{i}" for i in range(2, 1000)) if n not in names)
         self._change(replace(self.move, layers=(*self.move.layers, MoveLayer(name))))
         self.place = EditPlace(len(self.move.layers) - 1, 0, self.place.at)
+
+    def add(self, layer: MoveLayer) -> None:
+        """A layer that is made, on top of all others."""
+        self._change(replace(self.move, layers=(*self.move.layers, layer)))
+        self.place = EditPlace(len(self.move.layers) - 1, 0, self.place.at)
+
+    def put(self, layer: MoveLayer) -> None:
+        """Another one in the place of the layer of the hand."""
+        self._put(layer)
 
     def trim(self) -> None:
         """Without all frames of the layer behind the moment."""

@@ -45,7 +45,7 @@ class EditedFile:
         if not self._warned:
             self._warned = True
             return "the file has comments, which are lost: s once more saves it all the same"
-        save(_whole(move), self.path, self._shape)
+        save(whole(move), self.path, self._shape)
         self.written = True
         with contextlib.suppress(OSError):
             self.copy.unlink(missing_ok=True)
@@ -55,10 +55,11 @@ class EditedFile:
         """Keep a change beside the file, as well as the disk lets one."""
         if move.length > 0:
             with contextlib.suppress(OSError):
-                self.copy.write_text(move_text(_whole(move), self.path.parent), encoding="utf-8")
+                self.copy.write_text(move_text(whole(move), self.path.parent), encoding="utf-8")
 
 
-def _whole(move: KeyframeMove) -> KeyframeMove:
+def whole(move: KeyframeMove) -> KeyframeMove:
+    """Without layers that are empty, which no file has."""
     return replace(move, layers=tuple(layer for layer in move.layers if layer.length > 0))
 
 

@@ -54,6 +54,12 @@ class MovePreview:
         speed: float = manner.speed * (manner.tempo if self.move.beats else 1.0)
         return speed
 
+    @property
+    def tempo(self) -> float:
+        """How many places of the move pass in a second of a take."""
+        tempo: float = self.target.spec.settings.personality.tempo
+        return tempo if self.move.beats else 1.0
+
     def at(self, place: float) -> Tick | None:
         """The moment at a place of the move; at its end the last one at which it still plays, for
         behind that the face is as it was before.

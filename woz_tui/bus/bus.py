@@ -65,7 +65,7 @@ log = logging.getLogger(__name__)
 StopTask = asyncio.Task[StopReport | None]
 
 
-def as_given(verb: Verb | None, command: Command) -> Command:
+def as_given(command: Command) -> Command:
     """The command itself, where nobody fills anything in."""
     return command
 
@@ -95,7 +95,7 @@ class Bus:
         unrecorded: Says why a command that is published now is not recorded, so that it may not
             begin; empty: it is.
         folder: Where relative paths of commands start.
-        completed: A command with what the session fills in of a verb's arguments.
+        completed: A command of a verb `by_mood` with what the session fills in of its arguments.
     """
 
     def __init__(
@@ -109,7 +109,7 @@ class Bus:
         unstopped: frozenset[str] = frozenset(),
         unrecorded: Callable[[], str] = str,
         folder: Path = Path(),
-        completed: Callable[[Verb | None, Command], Command] = as_given,
+        completed: Callable[[Command], Command] = as_given,
     ) -> None:
         self._hub = hub
         self._drivers = dict(drivers)
@@ -172,7 +172,9 @@ class Bus:
         not be allowed to any more.
         """
         verb = self.verb(command.driver, command.verb)
-        command = _shown(verb, self._completed(verb, command))
+        if verb is not None and verb.by_mood:
+            command = self._completed(command)
+        command = _shown(verb, command)
         recorded = self._hub.publish(command)
         pending = PendingCommand(
             recorded,

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import msgspec
 
 from woz_tui.bus.hub import Hub
-from woz_tui.drivers.contract import Verb
 from woz_tui.motion.emotions import affect_emotion, emotion_affect
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -39,11 +38,10 @@ class FaceMoods:
     """What each driver with a face was told last, or shows since: by a move, by knobs.
 
     Args:
-        hub: Whence it knows.
         seed: The session's, from which those of sounds come.
     """
 
-    def __init__(self, hub: Hub, seed: int) -> None:
+    def __init__(self, seed: int) -> None:
         self._seed = seed
         self._sounds = 0
         #: By driver; the face that changed last comes last.
@@ -52,15 +50,16 @@ class FaceMoods:
         self._being_told: dict[str, tuple[str, Mood]] = {}
         #: Those that tell their mood, and not only the emotion that it looks like.
         self._exact: set[str] = set()
+
+    def listen(self, hub: Hub) -> None:
+        """From here on it knows, where a verb is `by_mood`."""
         hub.listen(self._on_command, m.Command)
         hub.listen(self._on_end, m.End)
         hub.listen(self._on_face, m.FaceShown)
         hub.listen(self._on_body, m.BodyChanged)
 
-    def completed(self, verb: Verb | None, command: m.Command) -> m.Command:
-        """The command as it is to be recorded: of a verb `by_mood` with mood and seed."""
-        if verb is None or not verb.by_mood:
-            return command
+    def completed(self, command: m.Command) -> m.Command:
+        """The command of a verb `by_mood` as it is to be recorded: with mood and seed."""
         args, tells, unfilled = dict(command.args), command.tells, dict(command.unfilled)
         if any(args.get(name) is None for name in _MOOD):
             mood = _named(args) if args.get("emotion") else self._face_of(command.driver)

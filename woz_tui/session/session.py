@@ -138,6 +138,7 @@ class Session:
             ENGAGEMENT: self.engagement,
             SESSION: SessionPerformer(self),
         }
+        moods = FaceMoods(self.identity.seed)
         self.bus = Bus(
             self.hub,
             performers,
@@ -150,7 +151,7 @@ class Session:
             unstopped=frozenset({ENGAGEMENT}),
             unrecorded=self.recorder.refusal,
             folder=self.experiment.path.parent,
-            completed=FaceMoods(self.hub, self.identity.seed).completed,
+            completed=moods.completed,
         )
         self.feeds.put_everywhere(ROBOT_SPEECH, self.state.said)
         self._driver_manager = DriverManager(self.drivers, self.hub, self.bus.disconnected)
@@ -164,6 +165,8 @@ class Session:
         self.features = SessionFeatures(self)
         for name, performer in self.features.performing.items():
             self.bus.add(name, performer, performer.verbs)
+        if any(verb.by_mood for verbs in self.bus.verbs.values() for verb in verbs.values()):
+            moods.listen(self.hub)
         deadline = self.experiment.session.deadline
         self.runner = ActionRunner(self.hub, self.bus, self.texts, deadline, self.features)
         self.last_act = LastAct(self.state, self.bus, self.runner)

@@ -47,6 +47,9 @@ class FailsInSession(PerformingFeature):
     def fact(self):
         return "a full moon"
 
+    def idle(self):
+        return True  # it is not: it has a fact
+
     hears = {ActionRequested: hear}
 
 

@@ -121,6 +121,29 @@ def test_who_comes_or_goes_between_two_messages_of_a_kind_hears_the_second_or_on
     assert diary.entries == [("listener", 1)]
 
 
+def test_who_is_passed_by_for_a_while_keeps_its_place() -> None:
+    hub, heard = Hub(ManualClock(), CallOrder().record), []
+
+    def first(message: Note) -> None:
+        heard.append(("first", message.text))
+
+    def second(message: Note) -> None:
+        heard.append(("second", message.text))
+
+    hub.listen(first, Note)
+    hub.listen(second, Note)
+    hub.publish(Note(text="one"))
+    hub.pass_by([first])
+    hub.publish(Note(text="two"))
+    hub.pass_by([])
+    hub.publish(Note(text="three"))
+    assert heard == [
+        *(("first", "one"), ("second", "one")),
+        ("second", "two"),
+        *(("first", "three"), ("second", "three")),
+    ]
+
+
 def test_a_subscriber_is_woken_once_until_it_takes() -> None:
     diary = CallOrder()
     subscription = Subscription(10, True, diary.wake)

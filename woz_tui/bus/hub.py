@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -105,6 +105,8 @@ class Hub:
         self._zero_us = clock.now_us()
         self._seq = 0
         self._listeners: list[_Listener] = []
+        #: Those that are not called for the time being.
+        self._passed_by: frozenset[Callable[[Any], object]] = frozenset()
         #: Whom a kind of message calls, in order; found when the first one comes.
         self._hearers: dict[type[Message], tuple[Callable[[Any], object], ...]] = {}
         self._subscriptions: list[Subscription] = []
@@ -177,7 +179,9 @@ class Hub:
                 hearers = self._hearers.get(type(message))
                 if hearers is None:
                     hearers = self._hearers[type(message)] = tuple(
-                        each.call for each in self._listeners if each.hears(type(message))
+                        each.call
+                        for each in self._listeners
+                        if each.hears(type(message)) and each.call not in self._passed_by
                     )
                 for call in hearers:
                     call(message)
@@ -199,6 +203,13 @@ class Hub:
     def ignore(self, listener: Callable[[Any], object], *kinds: type[Message]) -> None:
         """Undo `listen` with the same kinds: it is not called with the next message."""
         self._listeners.remove(_Listener(listener, kinds, ()))
+        self._hearers.clear()
+
+    def pass_by(self, listeners: Iterable[Callable[[Any], object]]) -> None:
+        """From the next message on these are not called, until others are named; each keeps its
+        place among those who listen.
+        """
+        self._passed_by = frozenset(listeners)
         self._hearers.clear()
 
     def subscribe(

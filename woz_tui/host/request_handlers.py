@@ -150,6 +150,8 @@ class RequestHandlers:
 
     def _deferred(self, client: ClientConnection, request: Request) -> bool:
         """Whether a feature has it wait, or has refused it."""
+        if not self._session.features.deferring:
+            return False
         asks = Client(client.name, client.role, self._by(client), self._tells(client))
         try:
             with self._session.hub.on_behalf_of(client.name):

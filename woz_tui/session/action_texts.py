@@ -271,6 +271,8 @@ class ActionTexts:
 
     def _values_with(self, given: GivenValues) -> VariableValues:
         """The variables' present values, and those that came with a request."""
+        if not given.values:
+            return self._values()
         return self._values().joined(VariableValues(given.values, tells=given.tells))
 
     def edited(self, action: Action, text: str, tells: Sequence[str]) -> Action:

@@ -114,7 +114,7 @@ class Session:
         self.hub = Hub(self.clock, self.recorder.record)
         self.state, self.recent = SessionState(), RecentMessages()
         #: Who follows what goes on in the session, by kind of episode.
-        self._following: dict[type[e.Episode], list[Callable[[Any], object]]] = {}
+        self._following: dict[type[e.Episode], tuple[Callable[[Any], object], ...]] = {}
         self.hub.listen(self._on_message)  # before all others: they find the state as of now
         self.hub.listen(self.recent.add, but=unlisted())
         publish_start(self.hub, self.identity, self.experiment, self.clock, self.recorder.spill)
@@ -253,13 +253,17 @@ class Session:
         return with_condition(own, self.experiment.by_condition, self.identity.condition)
 
     def values(self) -> VariableValues:
-        return self.own_values().joined(self.features.values())
+        return self.features.values(self.own_values())
 
     def values_changed(self) -> None:
         """Variables of a feature have other values than before."""
         if not self.ended:
             self.texts.publish_changed()
             self._prepare()
+
+    def idle_changed(self) -> None:
+        """A feature is idle now, or is not any more, although no file was read."""
+        self.features.look_for_idle()
 
     def play(
         self,
@@ -507,7 +511,11 @@ class Session:
         """Call it with each episode of the kind that begins or has ended, before anybody else hears
         of it.
         """
-        self._following.setdefault(kind, []).append(call)
+        self._following[kind] = (*self._following.get(kind, ()), call)
+
+    def unfollow(self, kind: type[e.Episode], call: Callable[[Any], object]) -> None:
+        """Undo `follow`."""
+        self._following[kind] = tuple(each for each in self._following[kind] if each is not call)
 
     def cancel(self, run: str, by: str = WIZARD) -> None:
         """Cut one run short. `by`: who wants it."""

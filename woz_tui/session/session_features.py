@@ -124,6 +124,9 @@ class FeatureSession(Protocol):
         of it.
         """
 
+    def unfollow(self, kind: type[Episode], call: Callable[[Any], object]) -> None:
+        """Undo `follow`."""
+
     def set(
         self,
         participant: str | None = None,
@@ -143,6 +146,9 @@ class FeatureSession(Protocol):
 
     def values_changed(self) -> None:
         """Variables of a feature have other values than before."""
+
+    def idle_changed(self) -> None:
+        """A feature is idle now, or is not any more, although no file was read."""
 
 
 class SessionFeature:
@@ -172,6 +178,16 @@ class SessionFeature:
         """Raise `RequestError` unless a session can begin with this value of the start option, or
         of the feature's `host.session_kind.SessionKind`.
         """
+
+    def idle(self) -> bool:
+        """Whether the file gives it nothing to do, and nothing is left of what it did before.
+
+        Asked when the session has begun and when a file was read. From then on it hears and follows
+        nothing, and is not asked at any of `PASSED_BY`: `fact` and `values` have to be nothing.
+        What somebody asks of it by its own requests it is given, and then it is asked again. Where
+        it gets something to do in another way, it says so: `FeatureSession.idle_changed`.
+        """
+        return False
 
     def start(self, value: Any) -> None:
         """The session begins with this value."""
@@ -321,6 +337,11 @@ _HOOKS = (
     *("allow_next", "tell_owed", "front", "fact", "findings", "companion"),
     *("values", "check_given", "filled"),
 )
+#: Those of them at which nobody asks a feature that is idle: what a press, a command and its end
+#: come by.
+PASSED_BY = frozenset(
+    ("play", "after_play", "hold", "drop", "defer", "withdraw", "front", "fact", "values", "filled")
+)
 
 
 class SessionFeatures:
@@ -335,7 +356,15 @@ class SessionFeatures:
         #: What is looked up.
         self.lookups: tuple[type[Request], ...] = ()
         #: Those that have something to do at each of the hooks, in their order.
-        self._with: dict[str, dict[str, SessionFeature]] = {hook: {} for hook in _HOOKS}
+        self._with: dict[str, dict[str, SessionFeature]] = {}
+        #: What they hear: each listener of the hub, by whose it is.
+        self._listeners: list[tuple[str, Callable[[Any], object]]] = []
+        #: What they follow, in their order.
+        self._followers: list[tuple[type[Episode], Callable[[Any], object]]] = []
+        #: Those that are passed by.
+        self._idle: frozenset[str] = frozenset()
+        #: Whether a request may have to wait until somebody has decided.
+        self.deferring = False
         #: What features that have failed said last of the moment: they go on forbidding it.
         self.failed: dict[str, object] = {}
         gates = pieces("gate", FeatureGate)
@@ -344,19 +373,52 @@ class SessionFeatures:
             if features()[name].gate and name not in gates:
                 continue  # nothing of it would be forbidden
             self._safely(name, self._add, None, name, kind)
+        self._pass_by(frozenset())
 
     def _add(self, name: str, kind: type[SessionFeature]) -> None:
         feature = self._all[name] = kind(self._session)
         self._asked |= dict.fromkeys(kind.asks, name)
         self._answering |= dict.fromkeys((*kind.requests, *kind.lookups), name)
         self.lookups += kind.lookups
-        for hook, having in self._with.items():
-            if getattr(kind, hook) is not getattr(SessionFeature, hook):
-                having[name] = feature
         for heard, call in kind.hears.items():
-            self._session.hub.listen(partial(self._hear, name, feature, call), heard)
-        for followed, call in kind.follows.items():
-            self._session.follow(followed, partial(self._hear, name, feature, call))
+            listener = partial(self._hear, name, feature, call)
+            self._listeners.append((name, listener))
+            self._session.hub.listen(listener, heard)
+
+    def _pass_by(self, idle: frozenset[str]) -> None:
+        """From here on these are idle, and no others."""
+        self._idle = idle
+        self._with = {
+            hook: {
+                name: feature
+                for name, feature in self._all.items()
+                if getattr(type(feature), hook) is not getattr(SessionFeature, hook)
+                and not (hook in PASSED_BY and name in idle)
+            }
+            for hook in _HOOKS
+        }
+        self.deferring = bool(self._with["defer"])
+        self._session.hub.pass_by(call for name, call in self._listeners if name in idle)
+        for kind, follower in self._followers:
+            self._session.unfollow(kind, follower)
+        self._followers = [
+            (kind, partial(self._hear, name, feature, call))
+            for name, feature in self._all.items()
+            if name not in idle
+            for kind, call in feature.follows.items()
+        ]
+        for kind, follower in self._followers:
+            self._session.follow(kind, follower)
+
+    def look_for_idle(self) -> None:
+        """Ask all who is idle now."""
+        self._pass_by(
+            frozenset(
+                name
+                for name, feature in [*self._all.items()]
+                if self._safely(name, _is_idle, False, feature)
+            )
+        )
 
     @property
     def performing(self) -> dict[str, PerformingFeature]:
@@ -399,6 +461,12 @@ class SessionFeatures:
         if name not in self._all:
             raise RequestError(f"{name} failed and cannot begin", IN_HOST_LOG)
         self._all[name].start(value)
+        self._look_at(name)
+
+    def _look_at(self, name: str) -> None:
+        """Something was asked of this feature: perhaps it has something to do now."""
+        if name in self._idle:
+            self.look_for_idle()
 
     def begin(self) -> None:
         """The session begins."""
@@ -407,6 +475,7 @@ class SessionFeatures:
             self._session.hub.publish(m.Notice(level="warning", text=text, remedy=IN_HOST_LOG))
         for name, feature in [*self._with["begin"].items()]:
             self._safely(name, feature.begin, None)
+        self.look_for_idle()
 
     async def prepare(self) -> None:
         """Nobody has joined the session yet."""
@@ -439,7 +508,10 @@ class SessionFeatures:
     def carry_out(self, request: Request, client: Client) -> str:
         """Do what is asked of a feature; the id of what it has begun. Raises `RequestError`."""
         name, feature = self._whose(request)
-        run = self._answer(name, feature.carry_out, _FAILED, request, client)
+        try:
+            run = self._answer(name, feature.carry_out, _FAILED, request, client)
+        finally:
+            self._look_at(name)
         if run is _FAILED:
             raise RequestError(f"{name} failed and is not used any more", IN_HOST_LOG)
         return run or ""
@@ -465,7 +537,10 @@ class SessionFeatures:
         feature = self._all.get(name or "")
         if name is None or feature is None:
             raise RequestError(f"a driver cannot ask for {ask.what!r}")
-        self._answer(name, feature.carry_out_ask, None, ask, origin, stale)
+        try:
+            self._answer(name, feature.carry_out_ask, None, ask, origin, stale)
+        finally:
+            self._look_at(name)
 
     def after_play(self) -> None:
         """An action was played or refused, and what happened with that at once is in the log."""
@@ -496,8 +571,10 @@ class SessionFeatures:
 
     def adopt(self, experiment: Experiment) -> None:
         """The session goes on with a file that was read again."""
+        self._pass_by(frozenset())  # they hear what they say themselves
         for name, feature in [*self._with["adopt"].items()]:
             self._safely(name, feature.adopt, None, experiment)
+        self.look_for_idle()
 
     def hold(
         self,
@@ -508,22 +585,21 @@ class SessionFeatures:
         begin: Callable[[], object],
     ) -> bool:
         """Whether a feature makes it wait, and calls `begin` when it may begin."""
-        return any(
-            self._safely(holding, feature.hold, False, run, name, source, verbs, begin)
-            for holding, feature in [*self._with["hold"].items()]
-        )
+        for holding, feature in [*self._with["hold"].items()]:
+            if self._safely(holding, feature.hold, False, run, name, source, verbs, begin):
+                return True
+        return False
 
     def drop(self, run: str) -> None:
         """What is held as `run`, if anything is, has been ended."""
         for name, feature in [*self._with["drop"].items()]:
             self._safely(name, feature.drop, None, run)
 
-    def values(self) -> VariableValues:
-        """Values of the variables that they bring along."""
-        found = VariableValues({})
+    def values(self, own: VariableValues) -> VariableValues:
+        """The session's `own` values and those of the variables that they bring along."""
         for name, feature in [*self._with["values"].items()]:
-            found = found.joined(self._safely(name, feature.values, VariableValues({})))
-        return found
+            own = own.joined(self._safely(name, feature.values, VariableValues({})))
+        return own
 
     def check_given(self, action: str, given: GivenValues) -> GivenValues:
         """Values that came with a request, as they are said. Raises `RequestError`, also where no
@@ -615,3 +691,8 @@ class SessionFeatures:
                 fact = feature.fact()
                 if fact is not None:
                     self.failed[name] = fact
+
+
+def _is_idle(feature: SessionFeature) -> bool:
+    """Whether it is passed by; never where the gate has to look at something of it."""
+    return feature.idle() and feature.fact() is None

@@ -313,7 +313,7 @@ def test_a_planners_block_that_replaces_leaves_the_wizards_alone(tmp_path: Path)
 def test_an_interruption_ends_a_planners_block(tmp_path: Path) -> None:
     async def play(rig: SessionRig) -> None:
         interrupt = Action(INTERRUPT, LABELS[INTERRUPT], "", PANEL, (), HERE)
-        rig.session.experiment = replace(rig.session.experiment, beside_panels=(interrupt,))
+        rig.session.adopt(replace(rig.session.experiment, beside_panels=(interrupt,)), [])
         rig.session.send("bml", {"block": GREET}, "", PLANNER)
         await asyncio.sleep(0.5)
         rig.session.play(INTERRUPT, KEY)

@@ -30,9 +30,8 @@ SECOND = 1_000_000
 
 
 def shaped(rig: SessionRig, floor_us: int = 800_000, jitter_us: int = 0) -> None:
-    rig.session.hub.publish(
-        ShapingChanged(floor_us=floor_us, jitter_us=jitter_us, cues=["speech", "marker"])
-    )
+    shaping = ResponseShaping(floor_us / SECOND, jitter_us / SECOND, ("speech", "marker"))
+    rig.session.adopt(replace(rig.session.experiment, sections={SHAPING: shaping}), [])
 
 
 def visitor_stops(rig: SessionRig) -> int:

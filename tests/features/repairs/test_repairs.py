@@ -12,7 +12,7 @@ import pytest
 from tests.session.rig import HERE, SessionRig
 from tests.session.test_action_texts import HM, KEY, make_experiment
 from woz_tui.config.experiment import Action
-from woz_tui.features.delay.kinds import ShapingChanged
+from woz_tui.features.delay.section import SHAPING, ResponseShaping
 from woz_tui.features.profiles.in_session import ProfileInUse
 from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.features.repairs.section import INTERRUPT, LABELS, PANEL, REPEAT, REWORD
@@ -186,8 +186,9 @@ def test_a_repetition_does_not_cross_a_change_of_condition(tmp_path: Path) -> No
 @pytest.mark.parametrize("at_us", [0, 2_000_000])
 def test_an_interruption_ends_what_is_held_back(tmp_path: Path, at_us: int) -> None:
     async def play(rig: SessionRig) -> None:
-        hub = rig.session.hub
-        hub.publish(ShapingChanged(floor_us=2_000_000, jitter_us=0, cues=["marker"]))
+        hub, now = rig.session.hub, rig.session.experiment
+        shaping = ResponseShaping(2.0, 0.0, ("marker",))
+        rig.session.adopt(replace(now, sections={**now.sections, SHAPING: shaping}), [])
         hub.publish(m.Marker(text="x"))
         at = hub.now() + at_us if at_us else 0
         rig.session.send("say", {"text": "typed"}, "", KEY, at=at)

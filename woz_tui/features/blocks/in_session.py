@@ -27,6 +27,9 @@ class BlockPerformer(PerformingFeature):
         #: None: no block has been asked for.
         self._player: BlockPlayer | None = None
 
+    def idle(self) -> bool:
+        return self._player is None
+
     @property
     def player(self) -> BlockPlayer:
         """What plays them."""
@@ -34,6 +37,7 @@ class BlockPerformer(PerformingFeature):
             from woz_tui.features.blocks.player import BlockPlayer  # noqa: PLC0415 - few sessions
 
             self._player = BlockPlayer(self.session)
+            self.session.idle_changed()
         return self._player
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

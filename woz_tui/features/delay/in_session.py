@@ -21,6 +21,9 @@ class DelayInSession(SessionFeature):
         self._delay = ResponseDelay(session.hub, session.identity.seed)
         self._said = SHAPING.of(session.experiment)
 
+    def idle(self) -> bool:
+        return self._said is None and not self._delay.holds
+
     def begin(self) -> None:
         if self._said is not None:
             self._publish()

@@ -100,6 +100,11 @@ class ResponseDelay:
         self._wait()
         return True
 
+    @property
+    def holds(self) -> bool:
+        """Whether something waits."""
+        return bool(self._held)
+
     def drop(self, run: str) -> None:
         """Forget what is held as `run`."""
         self._held = deque(entry for entry in self._held if entry[1] != run)

@@ -30,6 +30,9 @@ class PeopleInSession(SessionFeature):
         super().__init__(session)
         self._known = PEOPLE.of(session.experiment)
 
+    def idle(self) -> bool:
+        return not self._known.fields
+
     def begin(self) -> None:
         self._look_up()
 
@@ -38,8 +41,6 @@ class PeopleInSession(SessionFeature):
         self._look_up()
 
     def values(self) -> VariableValues:
-        if not self._known.fields:
-            return VariableValues({})
         told = known_fields(self.session.state)
         names = {f"{CODE}.{name}": name for name in self._known.fields}
         described = self.session.state.history(PeopleHistory).described

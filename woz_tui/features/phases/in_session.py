@@ -37,6 +37,9 @@ class PhaseController(SessionFeature):
         """The same as the file has it."""
         return PHASES.called(self.session.experiment, self.name) if self.name else None
 
+    def idle(self) -> bool:
+        return not (PHASES.of(self.session.experiment) or self.name or self.locked)
+
     # -- going on ----------------------------------------------------------------------------------
 
     def begin(self) -> None:

@@ -22,6 +22,9 @@ class ProfileInUse(SessionFeature):
         super().__init__(session)
         self.current: Profile | None = None
 
+    def idle(self) -> bool:
+        return self.current is None
+
     @classmethod
     def check_start(cls, value: str, experiment: Experiment) -> None:
         known = PROFILES.of(experiment)
@@ -42,6 +45,7 @@ class ProfileInUse(SessionFeature):
         experiment = self.session.experiment
         self.check_start(name, experiment)
         self.current = PROFILES.of(experiment)[name] if name else None
+        self.session.idle_changed()
         self.session.hub.publish(ProfileChanged(profile=name, source=source))
 
     def carry_out(self, request: AskProfile, client: Client) -> str:

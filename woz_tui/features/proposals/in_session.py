@@ -114,6 +114,9 @@ class ProposalsInSession(SessionFeature):
         #: item was taken with them.
         self._pressed: dict[str, tuple[m.ActionRequested, bool]] = {}
 
+    def idle(self) -> bool:
+        return self._section is None and not (self._open or self._waiting)
+
     def begin(self) -> None:
         if self._section is not None:
             self._tell(self._section)

@@ -16,6 +16,9 @@ from woz_tui.session.action_runner import may_speak
 from woz_tui.session.action_texts import Steps
 from woz_tui.session.session_features import FeatureSession, SessionFeature
 
+#: Those that have no steps.
+PLAYED = (REPEAT, REWORD, INTERRUPT)
+
 
 class RepairsInSession(SessionFeature):
     """Plays the repairs that have no steps of their own."""
@@ -27,6 +30,9 @@ class RepairsInSession(SessionFeature):
         self._told = ("", "")
         #: The action of the file that said it.
         self._action = ""
+
+    def idle(self) -> bool:
+        return all(each.name not in PLAYED for each in self.session.experiment.beside_panels)
 
     @property
     def _whom(self) -> tuple[str, str]:
@@ -48,7 +54,7 @@ class RepairsInSession(SessionFeature):
 
     def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str | None:
         """Its steps depend on what was said; the refusal is in the log too."""
-        if action.name not in (REPEAT, REWORD, INTERRUPT):
+        if action.name not in PLAYED:
             return None
         steps: Steps | str
         if at:

@@ -137,6 +137,9 @@ class ScriptController(SessionFeature):
         self.by_script: set[str] = set()
         self.adopt(session.experiment)
 
+    def idle(self) -> bool:
+        return not (any(each.lines for each in self._scripts.values()) or self._runs)
+
     # -- reading -----------------------------------------------------------------------------------
 
     @property
@@ -315,6 +318,8 @@ class ScriptController(SessionFeature):
             place = _places(before, scripts.get(played.script, ())).get(played.line)
             if place is None:
                 del self._runs[run]
+                self.by_script.discard(run)
+                self._cut_speech.discard(run)
             else:
                 self._runs[run] = replace(played, line=place)
         self._scripts = {

@@ -29,6 +29,9 @@ class SlotsInSession(SessionFeature):
         self._slots = SLOTS.of(session.experiment)
         self._of = self._actions(session.experiment)
 
+    def idle(self) -> bool:
+        return not self._slots
+
     def adopt(self, experiment: Experiment) -> None:
         self._slots, self._of = SLOTS.of(experiment), self._actions(experiment)
 
@@ -45,8 +48,6 @@ class SlotsInSession(SessionFeature):
         return {name: line for name, line in kept.items() if name in self._slots}
 
     def values(self) -> VariableValues:
-        if not self._slots:
-            return VariableValues({})
         kept = self._kept
         empty = "a wizard or a program fills it in when it is played"
         return VariableValues(
@@ -80,8 +81,6 @@ class SlotsInSession(SessionFeature):
         return GivenValues(values, sources, tells, given.took_us, given.by_program)
 
     def filled(self, run: str, action: Action, given: GivenValues) -> None:
-        if not self._slots:
-            return
         study, kept = self.session.state.study, self._kept
         for name in self._of.get(action.name, ()):
             slot = self._slots[name]

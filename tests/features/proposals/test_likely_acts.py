@@ -169,6 +169,30 @@ def test_words_are_answered_after_a_while(tmp_path: Path) -> None:
     assert (last.items[0].action, last.cue) == ("Map", "ear/1")
 
 
+@pytest.mark.parametrize(
+    "section", [None, Proposals(SuggestKeysOfFile(logs=False))], ids=["gone", "without logs"]
+)
+def test_a_file_that_wants_no_likely_actions_any_more_is_offered_none(
+    tmp_path: Path, section: Proposals | None
+) -> None:
+    for _ in range(2):
+        earlier(tmp_path, "Hello", "Map", words="where are the toilets please")
+    ends: list[int] = []
+
+    async def scenario(rig: SessionRig) -> None:
+        say(rig, "The toilets, where?")
+        await asyncio.sleep(0.5)  # nothing is proposed yet
+        made = learning(tmp_path)
+        rig.session.adopt(replace(made, sections={**made.sections, PROPOSALS: section}), [])
+        ends.append(len(rig.of(SuggestOffered)))
+        rig.session.play("Hello", KEY)
+        await asyncio.sleep(5)
+
+    rig = session(tmp_path, scenario)
+    assert [len(rig.of(SuggestOffered))] == ends
+    assert rig.of(m.Done)
+
+
 def test_the_robots_own_words_and_mistakes_do_not_count(tmp_path: Path) -> None:
     earlier(tmp_path, "Hello", "Map")
 

@@ -42,7 +42,12 @@ from woz_tui.features.proposals.likely_acts import LikelyActs
 from woz_tui.features.proposals.marks import LastSentences
 from woz_tui.features.proposals.ranker import Ranked
 from woz_tui.features.proposals.rights import ACTIONS, HANDS, ProgramRights
-from woz_tui.features.proposals.section import PROPOSALS, ModelSettings, Proposals
+from woz_tui.features.proposals.section import (
+    PROPOSALS,
+    ModelSettings,
+    Proposals,
+    SuggestKeysOfFile,
+)
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -127,8 +132,8 @@ class ProposalsInSession(SessionFeature):
         self._section, before = PROPOSALS.of(experiment), self._section
         if self._section != before:
             self._tell(self._section)
-        if self._section is not None:
-            self._likely.begin(self._section.suggest)
+        suggest = self._section.suggest if self._section is not None else SuggestKeysOfFile()
+        self._likely.begin(suggest)
 
     def _tell(self, section: Proposals | None) -> None:
         programs = section.proposing if section is not None else []

@@ -44,6 +44,7 @@ class LikelyActs:
     def begin(self, settings: SuggestKeysOfFile) -> None:
         """The file says so from now on: read the earlier sessions in a thread."""
         self._tasks.cancel()  # what is being read is of the file as it was
+        self._wait(None)
         self._settings, self._ranker = settings, None
         if settings.logs:
             self._tasks.start(self._learn())

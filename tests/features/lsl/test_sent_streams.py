@@ -26,6 +26,8 @@ from tests.features.lsl.laboratory import (
 )
 from tests.host.rig import ServedSession, served_session
 from tests.session.rig import experiment
+from woz_tui.config.experiment import Experiment
+from woz_tui.features.lsl.history import LslHistory
 from woz_tui.features.lsl.kinds import LslLost, LslStream
 from woz_tui.features.lsl.section import LSL, LslSettings
 from woz_tui.protocol import messages as m
@@ -115,6 +117,50 @@ async def test_a_session_is_recorded_whole_and_with_its_own_times(tmp_path: Path
     assert begun == sayings
     assert "secret" not in str(sent.values) + str(markers.values)
     assert "P07" not in str(sent.values) and "warm" not in str(sent.values)
+
+
+@pytest.mark.safety
+async def test_what_a_file_does_not_share_any_more_leaves_no_more(tmp_path: Path) -> None:
+    env, file = own_network(tmp_path), tmp_path / "lab.xdf"
+    made, number = experiment(tmp_path), iter(range(3))
+
+    def shared(shares: tuple[str, ...], sensors: tuple[str, ...] = ()) -> Experiment:
+        return replace(made, sections={LSL: LslSettings(sensors=sensors, shares=shares)})
+
+    async def act_again(rig: ServedSession) -> None:
+        """A sentence, a marker, a condition, and a value of the sensor."""
+        peer, turn = await rig.connect(), next(number)
+        await peer.hello()
+        assert (await peer.ask("verb", verb="say", args={"text": f"sentence {turn}"}))["ok"]
+        assert (await peer.ask("marker", text=f"mark {turn}"))["ok"]
+        assert (await peer.ask("set", condition="cold"))["ok"]
+        rig.session.hub.publish(m.Reading(sensor="distance", value=float(turn)))
+        await rig.until(lambda: len(rig.of(m.Done)) == turn + 1)
+
+    all_of_it = ("texts", "conditions")
+    async with (
+        served_session(tmp_path, made=shared(all_of_it, ("distance",))) as rig,
+        sending(rig, env) as program,
+        recording(rig, file, env),
+    ):
+        await act_again(rig)
+        assert "woz-distance" in rig.session.state.history(LslHistory).sent
+        rig.session.adopt(shared(()), [])
+        assert {*rig.session.state.history(LslHistory).sent} == {"woz-markers", "woz-events"}
+        await act_again(rig)
+        rig.session.adopt(shared(all_of_it), [])  # recorders know the streams as they are
+        await act_again(rig)
+        await end(rig, program)
+    streams = recorded(file)
+    lines = [line for line, _ in events(streams["woz-events"])]
+    marks = [word for word in streams["woz-markers"].values if word.startswith("mark")]
+    assert marks == ["mark/mark-0", "mark", "mark"]
+    assert len([line for line in lines if line["kind"] == "marker"]) == 3
+    for text in ("sentence", "mark"):
+        assert [f"{text} {turn}" in str(lines) for turn in range(3)] == [True, False, False]
+    changed = [line for line in lines if line["kind"] == "session.changed"]
+    assert ["condition" in line for line in changed] == [True, False, False]
+    assert [value for value in streams["woz-distance"].values if not math.isnan(value)] == [0.0]
 
 
 async def test_a_taker_that_dies_freezes_and_returns_costs_nobody_anything(tmp_path: Path) -> None:

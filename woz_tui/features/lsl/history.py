@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import ClassVar
 
-from woz_tui.features.lsl.kinds import LslAdopted, LslClock, LslFound, LslLost, LslStream
+from woz_tui.features.lsl.kinds import (
+    EVENTS,
+    MARKERS,
+    LslAdopted,
+    LslClock,
+    LslFound,
+    LslLost,
+    LslStream,
+)
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import Episode, keep_latest
 from woz_tui.timeline.feature_history import FeatureHistory, HistoryCase
@@ -24,6 +32,9 @@ class LslHistory(FeatureHistory):
     def _adopt(self, message: LslAdopted, state: SessionState) -> None:
         self.adopted = message
         taken = {each.stream for each in message.takes}
+        keys = (MARKERS, EVENTS, *message.sensors)
+        ends = tuple(f"-{key}" for key in keys)
+        self.sent = {name: line for name, line in self.sent.items() if name.endswith(ends)}
         self.found = {name: line for name, line in self.found.items() if name in taken}
         self.lost = {n: line for n, line in self.lost.items() if line.outgoing or n in taken}
 

@@ -8,6 +8,9 @@ from woz_tui.protocol.envelope import Message
 from woz_tui.protocol.kinds import FeatureKinds
 from woz_tui.protocol.requests import Request
 
+#: The names behind the session's of the streams that are always sent; others are sensors'.
+MARKERS, EVENTS = "markers", "events"
+
 
 class TakenStream(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A stream that the session takes: its name, and its `source_id` and `type` where they are to

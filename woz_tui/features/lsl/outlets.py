@@ -12,11 +12,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from woz_tui import __version__
-from woz_tui.features.lsl.kinds import LslStream
+from woz_tui.features.lsl.kinds import EVENTS, MARKERS, LslStream
 from woz_tui.protocol import messages as m
 
-#: The names of the streams behind the session's, and their types.
-MARKERS, EVENTS = "markers", "events"
+#: Their types.
 _TYPES = {MARKERS: "Markers", EVENTS: "Events"}
 
 

@@ -13,6 +13,8 @@ import msgspec
 from woz_tui.client import WozClient
 from woz_tui.features.lsl.inlets import Inlets
 from woz_tui.features.lsl.kinds import (
+    EVENTS,
+    MARKERS,
     AskLslBegin,
     AskLslTake,
     AskLslTell,
@@ -23,7 +25,7 @@ from woz_tui.features.lsl.kinds import (
     LslStream,
 )
 from woz_tui.features.lsl.marker_words import MarkerWords
-from woz_tui.features.lsl.outlets import EVENTS, MARKERS, Outlets
+from woz_tui.features.lsl.outlets import Outlets
 from woz_tui.features.lsl.shared_lines import SharedLines
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m

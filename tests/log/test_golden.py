@@ -60,7 +60,8 @@ def test_there_is_a_golden_log_of_every_schema() -> None:
 def test_every_kind_of_message_occurs() -> None:
     kinds = {each.__struct_config__.tag for each in message_kinds()}
     assert {line["kind"] for line in objects(GOLDEN)} == kinds, (
-        "a new kind needs an example in tests/protocol/examples.py, then `make generated`"
+        "a new kind needs an example in tests/protocol/examples.py, a feature's beside its tests,"
+        " then `make generated`"
     )
 
 

@@ -15,8 +15,6 @@ import msgspec
 
 from tests.protocol.feature_examples import feature_examples
 from tests.protocol.study_examples import BEGINNING, COURSE, FILE_SHA
-from woz_tui.features.blocks.kinds import BlockPlanned, BlockProblem, BlockTrouble, PlannedBehaviour
-from woz_tui.features.profiles.kinds import AskProfile, ProfileChanged
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -215,7 +213,7 @@ MESSAGES: tuple[m.Message, ...] = (
     *feature_examples("scripts", "HALTED"),
     m.PanelLocked(panel="Drive", locked=True),
     m.PanelLocked(panel="Whales", locked=True, source="phase"),
-    ProfileChanged(profile="child", source="palette"),
+    *feature_examples("profiles", "MESSAGES"),
     m.ExperimentReloaded(experiment_sha256=SHA, changes=["Speech: 'Bye' is new"]),
     m.ActionRequested(run="a00006", action="Map", source="key", key="m"),
     m.ActionRequested(run="a00005", action="Bye", source="key", key="b"),
@@ -298,26 +296,7 @@ MESSAGES: tuple[m.Message, ...] = (
     m.AddressedChanged(driver="eye", face=2, chosen="hand"),
     m.ListenerJoined(console="con3", driver="ears"),
     m.ListenerLeft(console="con3", driver="ears", duration_us=12_300_000, lost_us=40_000),
-    BlockPlanned(
-        command="c00019",
-        driver="bml",
-        block="bml1",
-        begin=80_000_000,
-        duration_us=2_500_000,
-        behaviours=[
-            PlannedBehaviour(
-                id="n1", sort="head", does="play nod", points={"start": 0, "end": 1_200_000}
-            )
-        ],
-        problems=[BlockProblem(sort="NO_SUCH_TARGET", text="where is moon?", about="g1")],
-        tells=("condition",),
-    ),
-    BlockTrouble(
-        command="c00019",
-        driver="bml",
-        block="bml1",
-        problem=BlockProblem(sort="IMPOSSIBLE_TO_SCHEDULE", text="head: no answer", about="n1"),
-    ),
+    *feature_examples("blocks", "MESSAGES"),
     m.CommandMark(command="c00019", driver="bml", sort="sync", text="n1:start"),
     m.MotionInterrupted(command="c00017", driver="head", reason="stop pressed", stopped=True),
     m.RecorderState(level="failed", lag_us=0, path="S01.jsonl", detail="full", waived=True),
@@ -444,7 +423,7 @@ REQUESTS: tuple[r.Request, ...] = (
     r.AskNote(ref=14, text="the visitor's phone rang"),
     r.AskMistake(ref=15, run="a00001", text="too early"),
     r.AskLock(ref=16, panel="Drive", locked=False),
-    AskProfile(ref=21, profile="child", source="palette"),
+    *feature_examples("profiles", "REQUESTS"),
     *feature_examples("phases", "REQUESTS"),
     r.AskReload(ref=17, dry_run=True),
     r.AskKeepTyped(ref=38, dry_run=True),

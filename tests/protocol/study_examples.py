@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from tests.protocol.feature_examples import feature_examples
-from woz_tui.features.delay.kinds import ActionHeld, ShapingChanged
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView, PanelView
 from woz_tui.protocol.welcome import WelcomeSettings
@@ -42,14 +41,14 @@ BEGINNING: tuple[m.Message, ...] = (
         trials=2,
         over=[1],
     ),
-    ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]),
+    *feature_examples("delay", "SETTINGS"),
     m.PerceptionChanged(hidden=["distance"], blurred=["transcript"]),
 )
 
 #: The course of a trial, a training, a re-run.
 COURSE: tuple[m.Message, ...] = (
     m.TrialStarted(trial=1, condition="warm", planned=4),
-    ActionHeld(run="a00007", action="Hello", sort="speech", cued=9_000_000, until=9_950_000),
+    *feature_examples("delay", "HELD"),
     *feature_examples("training", "CUES"),
     m.TrialEnded(trial=1, outcome="done", text="the phone rang once"),
     m.BreakStarted(text="a glass of water"),

@@ -67,7 +67,10 @@ def test_every_kind_has_a_golden_line(name: str) -> None:
     _, kinds = FILES[name]
     present = {codec.decode_unknown(line)["kind"] for line in golden_lines(name)}
     wanted = {kind.__struct_config__.tag for kind in kinds}
-    assert present == wanted, "an example in tests/protocol/examples.py, then `make generated`"
+    assert present == wanted, (
+        "an example in tests/protocol/examples.py, a feature's beside its tests,"
+        " then `make generated`"
+    )
 
 
 def test_every_field_appears_in_a_golden_line() -> None:

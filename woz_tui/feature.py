@@ -131,7 +131,7 @@ class Feature:
         figures: An `analysis.feature_figures.FeatureFigures`: what it counts in sessions.
         gathered: A subclass of `analysis.feature_figures.GatheredFigures`: what it makes of the
             figures of many sessions.
-        report: An `analysis.feature_report.FeatureReport`: its tables in reports and exports.
+        report: An `analysis.feature_report.FeatureReport`: what reports and exports show of it.
         session_kind: A `host.session_kind.SessionKind`: a kind of session without a participant.
         bookmarks: A `replay.bookmarks.FeatureBookmarks`: what of it a replay can go to.
         doctor: A `machine.feature_checks.FeatureChecks`: what `woz doctor` looks at.

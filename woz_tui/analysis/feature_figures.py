@@ -1,4 +1,4 @@
-"""What features count in sessions, and say of it in reports."""
+"""What features count in sessions, and say of it in sentences."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.event_rows import CueRow
 from woz_tui.analysis.outcomes import Outcome
 from woz_tui.analysis.report_table import ReportTable
-from woz_tui.timeline.episodes import CommandEpisode, Episode
+from woz_tui.timeline.episodes import Episode
 from woz_tui.timeline.timeline import Timeline
 from woz_tui.timeline.trial_context import Context
 
@@ -51,14 +51,6 @@ class ApartSession:
     session: str
     started: str
     figures: Any
-
-
-@dataclass(frozen=True, slots=True)
-class CommandPicture:
-    """How a command is drawn over time: its label, and names and values of what it consists of."""
-
-    label: str
-    facts: Sequence[tuple[str, str]] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,11 +164,3 @@ class FeatureFigures:
         those in which nobody took part.
         """
         yield from ()
-
-    def tables(self, figures: Any) -> Iterator[ReportTable]:
-        """Tables for the report of a session."""
-        yield from ()
-
-    def picture(self, command: CommandEpisode) -> CommandPicture | None:
-        """How a command of the feature's performer is drawn; None: by its verb."""
-        return None

@@ -1,4 +1,4 @@
-"""Tables and tiles of features in reports and exports."""
+"""Tables, tiles and pictures of features in reports and exports."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.report_table import ReportTable
 from woz_tui.analysis.tables import FIGURES, TableDefinition
 from woz_tui.feature import pieces
+from woz_tui.timeline.episodes import CommandEpisode
 
 
 class FigureTile(NamedTuple):
@@ -20,6 +21,14 @@ class FigureTile(NamedTuple):
     title: str
     value: str
     more: str
+
+
+@dataclass(frozen=True, slots=True)
+class CommandPicture:
+    """How a command is drawn over time: its label, and names and values of what it consists of."""
+
+    label: str
+    facts: Sequence[tuple[str, str]] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,9 +74,17 @@ class FeatureReport:
         """The table of its sessions in which nobody took part."""
         return None
 
+    def session_tables(self, figures: Any) -> Iterator[ReportTable]:
+        """What the report of a session shows."""
+        yield from ()
+
     def tiles(self, figures: Any) -> Iterator[FigureTile]:
         """What the page of a session shows in large."""
         yield from ()
+
+    def picture(self, command: CommandEpisode) -> CommandPicture | None:
+        """How a command of the feature's performer is drawn; None: by its verb."""
+        return None
 
 
 def reports() -> Iterable[FeatureReport]:
@@ -86,6 +103,13 @@ def apart_tables(grouped: GroupedSessions) -> Iterator[ReportTable]:
         table = report.apart(grouped.apart.get(name, ()))
         if table is not None:
             yield table
+
+
+def feature_tables(figures: SessionFigures) -> Iterator[ReportTable]:
+    """What features show of a session."""
+    for name, report in pieces("report", FeatureReport).items():
+        if name in figures.features:
+            yield from report.session_tables(figures.features[name])
 
 
 def feature_tiles(figures: SessionFigures) -> Iterator[FigureTile]:

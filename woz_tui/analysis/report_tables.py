@@ -394,13 +394,6 @@ def stops(figures: SessionFigures) -> ReportTable:
     return ReportTable("Emergency stops", heads, rows, words=5)
 
 
-def of_features(figures: SessionFigures) -> Iterator[ReportTable]:
-    """What features have to show."""
-    for name, each in pieces("figures", FeatureFigures).items():
-        if name in figures.features:
-            yield from each.tables(figures.features[name])
-
-
 def marks(figures: SessionFigures) -> ReportTable:
     """Markers, notes and mistakes."""
     rows = [

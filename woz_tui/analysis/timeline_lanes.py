@@ -11,7 +11,8 @@ from operator import attrgetter
 from typing import Any
 
 from woz_tui.analysis.event_rows import PREFLIGHT, is_direct, moments, of_robot, value_text
-from woz_tui.analysis.feature_figures import CommandPicture, FeatureFigures, Instant
+from woz_tui.analysis.feature_figures import FeatureFigures, Instant
+from woz_tui.analysis.feature_report import CommandPicture, reports
 from woz_tui.config.performers import composers
 from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol import messages as m
@@ -175,7 +176,7 @@ def _composed(command: e.CommandEpisode) -> Interval | None:
     """A planner's; one on a key is what its action does."""
     if command.request.run:
         return None
-    drawn = (each.picture(command) for each in pieces("figures", FeatureFigures).values())
+    drawn = (each.picture(command) for each in reports())
     picture = next(filter(None, drawn), CommandPicture(command.label))
     facts = [(command.seq, fact) for fact in picture.facts[:_FACTS]]
     return replace(_act(command, facts), label=picture.label)

@@ -13,7 +13,7 @@ from rich.text import Text
 from woz_tui.analysis import report_tables as tables
 from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.experiment_names import file_of
-from woz_tui.analysis.feature_report import apart_tables
+from woz_tui.analysis.feature_report import apart_tables, feature_tables
 from woz_tui.analysis.figure_sums import ALL_CUES
 from woz_tui.analysis.figures import PartFigures, Reactions, SessionFigures
 from woz_tui.analysis.measures import title_of
@@ -56,7 +56,7 @@ def show_session(page: ReportPage, report: SessionReport, top: int = TOP) -> Non
     for table in (tables.people, tables.addressed, tables.trials, tables.phases):
         page.print(page.block(table(figures)))
     page.print(page.block(tables.settings(figures), top))
-    for of_feature in tables.of_features(figures):
+    for of_feature in feature_tables(figures):
         page.print(page.block(of_feature))
     page.print(page.block(tables.stops(figures)))
     page.print(page.block(tables.marks(figures), top))

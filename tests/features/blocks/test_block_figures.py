@@ -9,7 +9,7 @@ from tests.analysis.example_sessions import (
     in_time,
     timeline_drawing,
 )
-from woz_tui.analysis import report_tables
+from woz_tui.analysis.feature_report import feature_tables
 from woz_tui.features.blocks.kinds import BlockPlanned, BlockProblem, BlockTrouble, PlannedBehaviour
 from woz_tui.protocol import messages as m
 
@@ -87,7 +87,7 @@ def test_every_block_is_in_the_table_with_who_asked_and_what_was_not_played() ->
     )
     assert second.asker == "Greet"
     assert first.left_out == ("g1: no moon", "n1: replaced by Hello")
-    [table] = report_tables.of_features(figures)
+    [table] = feature_tables(figures)
     assert len(table.rows) == 2
     assert (figures.whole.actions, figures.whole.direct) == (1, 0), "a planner is no wizard"
 

@@ -14,7 +14,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestShown,
     SuggestTaken,
 )
-from woz_tui.features.proposals.report import SUGGESTIONS
+from woz_tui.features.proposals.report import REPORT, SUGGESTIONS
 from woz_tui.protocol import messages as m
 
 
@@ -79,7 +79,7 @@ def test_each_sentence_has_its_origin() -> None:
 
 
 def test_the_report_and_the_methods_section_say_it() -> None:
-    sets, course, origins, _ = FIGURES.tables(counted())
+    sets, course, origins, _ = REPORT.session_tables(counted())
     logs, mcp = (dict(zip(sets.heads, map(str, row), strict=True)) for row in sets.rows)
     assert [logs[head] for head in ("Sets", "Shown", "Own key", "Ignored")] == ["2", "1", "1", "1"]
     assert (mcp["Changed"], mcp["Shown"], mcp["Taken after"]) == ("1", "0", "2 s")
@@ -101,7 +101,7 @@ def test_thirds_of_a_session_tell_of_drift() -> None:
         how = SuggestGone(set=f"s{n}", how="expired")
         session.add(n, SuggestTaken(set=f"s{n}", item="1", how="key") if n > 5 else how)
     figures = figures_of(in_time(session.end(20))).features["proposals"]
-    _, course, *_ = FIGURES.tables(figures)
+    _, course, *_ = REPORT.session_tables(figures)
     assert [str(row[2]) for row in course.rows] == ["0.0 %", "0.0 %", "100.0 %"]
 
 
@@ -127,7 +127,7 @@ def test_the_methods_section_names_model_prompt_and_where_it_ran() -> None:
             ),
         )
     figures = figures_of(in_time(session.end(9))).features["proposals"]
-    *_, table = FIGURES.tables(figures)
+    *_, table = REPORT.session_tables(figures)
     (row,) = table.rows
     assert [*map(str, row)][:5] == ["small-q4 (fp1)", "3", "1", "1", "1"]
     said = next(iter(FIGURES.methods([figures, figures])))

@@ -20,6 +20,7 @@ from woz_tui.client.tools import PLAY, ToolCaller
 from woz_tui.config.experiment import Experiment, Panel, TextVariants
 from woz_tui.features.slots.figures import FIGURES
 from woz_tui.features.slots.kinds import SlotFilled
+from woz_tui.features.slots.report import REPORT
 from woz_tui.features.slots.report import SLOTS as TABLE
 from woz_tui.features.slots.section import SLOTS, Slot
 from woz_tui.features.slots.slot_value import LONGEST, SlotValueError, checked_value, tidied
@@ -273,7 +274,7 @@ def test_a_report_counts_them_and_a_table_has_each(tmp_path: Path) -> None:
     host = hosted(made(tmp_path, keep="participant"), scenario)
     rows = FIGURES.count(timeline_of(host.lines))
     assert rows is not None
-    [table] = FIGURES.tables(rows)
+    [table] = REPORT.session_tables(rows)
     assert [[str(cell) for cell in row] for row in table.rows] == [
         ["colour", "0", "1", "0", "0", "1", "1.20 s"]
     ]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from woz_tui.analysis import report_tables as tables
-from woz_tui.analysis.feature_report import feature_tiles
+from woz_tui.analysis.feature_report import feature_tables, feature_tiles
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.html.distribution_plots import distribution, transitions
 from woz_tui.analysis.html.figure_definitions import defined, table
@@ -281,7 +281,7 @@ def _tables(figures: SessionFigures) -> Iterator[Markup | None]:
         yield transitions(figures.whole.engagement.transitions)
     yield table(tables.people(figures))
     yield table(tables.addressed(figures))
-    yield from map(table, tables.of_features(figures))
+    yield from map(table, feature_tables(figures))
     for each in (tables.marks, tables.stops):
         yield table(each(figures))
     sentences = [tag("li", isolated(sentence)) for sentence in tables.circumstances(figures)]

@@ -16,6 +16,7 @@ class Blocks(Feature):
     session = "in_session:BlockPerformer"
     history = "history:BlockHistory"
     figures = "figures:FIGURES"
+    report = "report:REPORT"
     performer = PerformerName("bml", "who plays BML", composes=True)
     command = CommandLine(
         "bml",

@@ -6,9 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from woz_tui.analysis.event_rows import moments
-from woz_tui.analysis.feature_figures import CommandPicture, FeatureFigures
-from woz_tui.analysis.report_table import AlarmText, LogText, ReportTable
-from woz_tui.analysis.text_format import clock, duration
+from woz_tui.analysis.feature_figures import FeatureFigures
 from woz_tui.features.blocks.kinds import BML, BlockPlanned, BlockProblem, BlockTrouble
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import CommandEpisode
@@ -39,7 +37,7 @@ def blocks(timeline: Timeline) -> Iterator[BlockRow]:
     for _, trouble in moments(timeline, BlockTrouble):
         troubles.setdefault(trouble.command, []).append(trouble.problem)
     for each in timeline.of(CommandEpisode):
-        request, planned = each.request, _plan(each)
+        request, planned = each.request, plan_of(each)
         if request.driver != BML:
             continue
         problems = [*(planned.problems if planned else ()), *troubles.get(request.command, ())]
@@ -55,7 +53,8 @@ def blocks(timeline: Timeline) -> Iterator[BlockRow]:
         )
 
 
-def _plan(command: CommandEpisode) -> BlockPlanned | None:
+def plan_of(command: CommandEpisode) -> BlockPlanned | None:
+    """The block that a command was planned as, if it was one."""
     return command.planned if isinstance(command.planned, BlockPlanned) else None
 
 
@@ -69,27 +68,6 @@ class BlockFigures(FeatureFigures):
 
     def count(self, timeline: Timeline) -> tuple[BlockRow, ...] | None:
         return tuple(blocks(timeline)) or None
-
-    def tables(self, figures: tuple[BlockRow, ...]) -> Iterator[ReportTable]:
-        """Whose they were, how they went, and what of them was not played as asked."""
-        rows = [
-            (
-                *(clock(row.begin), LogText(row.block), LogText(row.asker), LogText(row.outcome)),
-                AlarmText("; ".join(filter(None, (row.reason, *row.left_out)))),
-                duration(None if row.end is None else row.end - row.begin),
-                str(row.behaviours),
-            )
-            for row in figures
-        ]
-        heads = ("At", "Block", "By", "Ended", "Not played", "Lasted", "Behaviours")
-        yield ReportTable("Behaviour blocks (BML)", heads, rows, words=5)
-
-    def picture(self, command: CommandEpisode) -> CommandPicture | None:
-        planned = _plan(command)
-        if planned is None:
-            return None
-        facts = [(each.id, each.does or each.sort) for each in planned.behaviours]
-        return CommandPicture(planned.block, facts)
 
 
 FIGURES = BlockFigures()

@@ -10,19 +10,14 @@ from typing import Any
 
 from woz_tui.analysis.event_rows import ContextRow, context_fields, moments
 from woz_tui.analysis.feature_figures import FeatureFigures, Instant
-from woz_tui.analysis.report_table import LogText, ReportTable
-from woz_tui.analysis.text_format import counted, digits, listed, percent
+from woz_tui.analysis.text_format import counted, listed
 from woz_tui.features.proposals.clean_text import is_question
 from woz_tui.features.proposals.history import SuggestionEpisode
 from woz_tui.features.proposals.kinds import SuggestTrial
 from woz_tui.features.proposals.model_figures import (
     ModelFigures,
     about_models,
-    in_s,
-    median_of,
-    model_table,
     models_of,
-    percentile_95,
 )
 from woz_tui.features.proposals.rights import HANDS
 from woz_tui.protocol import messages as m
@@ -35,7 +30,7 @@ TAKEN = ("key", "edited", "own_key")
 #: Ends with which it was passed over, if it could be seen.
 _IGNORED = ("other_act", "expired", "superseded")
 #: Ends that say nothing of the wizard.
-_NOT_SEEN = ("end", "moved_on", "reloaded", "withdrawn", "stop")
+NOT_SEEN = ("end", "moved_on", "reloaded", "withdrawn", "stop")
 #: Where a sentence comes from: a person's key, the script, the robot itself, what was proposed ...
 _ORIGINS = {"palette": "key", "midi": "key", "gamepad": "key", "stream-deck": "key"}
 
@@ -129,16 +124,6 @@ class CountedProposals(FeatureFigures):
             return None
         return Instant(episode.end or episode.begin, episode.label, "proposal", episode.outcome)
 
-    def tables(self, figures: ProposalFigures) -> Iterator[ReportTable]:
-        by: dict[tuple[str, str], list[SetRow]] = {}
-        for each in figures.sets:
-            by.setdefault((each.who or each.source, each.condition), []).append(each)
-        rows = [_cells(who, condition, sets) for (who, condition), sets in sorted(by.items())]
-        yield ReportTable("Proposals", SET_HEADS, rows, words=2)
-        yield _course(figures.sets)
-        yield _origins(figures.said)
-        yield model_table(figures.models)
-
     def methods(self, sessions: Sequence[ProposalFigures]) -> Iterator[str]:
         sets = [each for session in sessions for each in session.sets]
         sources = sorted({each.source for each in sets})
@@ -147,7 +132,7 @@ class CountedProposals(FeatureFigures):
             "model": "a language model",
             "program": "programs",
         }
-        seen = [each for each in sets if each.outcome not in _NOT_SEEN]
+        seen = [each for each in sets if each.outcome not in NOT_SEEN]
         taken = [each for each in seen if each.outcome in TAKEN]
         edited = sum(each.outcome == "edited" for each in taken)
         drawn = [offered for session in sessions for offered in session.drawn.values()]
@@ -163,68 +148,6 @@ class CountedProposals(FeatureFigures):
             f" {counted(len(sets), 'set')} of proposals{share}{changed}; nothing of it was done"
             " without the wizard."
         )
-
-
-SET_HEADS = (
-    *("Proposed by", "Condition", "Sets", "Shown", "Taken", "Changed", "Own key", "Ignored"),
-    *("Declined", "Expired", "Other act", "Shown after", "Taken after", "95 % within"),
-)
-
-
-def set_cells(sets: Sequence[SetRow]) -> tuple[str, ...]:
-    """What became of sets, behind the words that say which."""
-    ends = Counter(each.outcome for each in sets)
-    shown = [each.shown_us for each in sets if each.shown_us is not None]
-    after = [each.after_us for each in sets if each.is_taken and each.after_us is not None]
-    return (
-        *(str(len(sets)), str(len(shown))),
-        *(str(ends[name]) for name in TAKEN),
-        str(sum(each.is_ignored for each in sets)),
-        *(str(ends[name]) for name in ("dismissed", "expired", "other_act")),
-        *(in_s(median_of(shown)), in_s(median_of(after))),
-        in_s(percentile_95(after)),
-    )
-
-
-def _cells(who: str, condition: str, sets: Sequence[SetRow]) -> tuple[str | LogText, ...]:
-    return (LogText(who), LogText(condition), *set_cells(sets))
-
-
-def _course(sets: Sequence[SetRow]) -> ReportTable:
-    """Whether wizards take more or less of it as the session goes on: thirds of the sets that say
-    something of the wizard, where each has at least three.
-    """
-    seen = [each for each in sets if each.outcome not in _NOT_SEEN]
-    size = len(seen) // 3
-    thirds = (seen[:size], seen[size:-size], seen[-size:]) if size >= 3 else ()
-    rows = [
-        (
-            *(LogText(name), str(len(third))),
-            percent(sum(each.is_taken for each in third) / len(third)),
-            percent(sum(each.outcome == "edited" for each in third) / len(third)),
-            percent(sum(each.is_ignored for each in third) / len(third)),
-        )
-        for name, third in zip(("first", "second", "last"), thirds, strict=False)
-    ]
-    heads = ("Third of the sets", "Sets", "Taken", "Changed", "Ignored")
-    return ReportTable("Proposals in the course of the session", heads, rows, words=1)
-
-
-def _origins(said: Sequence[SaidSentence]) -> ReportTable:
-    """Where sentences came from, and whether proposed ones differ from the others."""
-    by: dict[str, list[SaidSentence]] = {}
-    for each in said:
-        by.setdefault(each.origin, []).append(each)
-    rows = [
-        (
-            *(LogText(name), str(len(those)), percent(len(those) / len(said))),
-            digits(sum(each.words for each in those) / len(those)),
-            percent(sum(each.asks for each in those) / len(those)),
-        )
-        for name, those in sorted(by.items())
-    ]
-    heads = ("From", "Sentences", "Share", "Words, mean", "Questions")
-    return ReportTable("Where sentences came from", heads, rows, words=1)
 
 
 def _rows(timeline: Timeline) -> Iterator[SetRow]:

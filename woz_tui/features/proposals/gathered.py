@@ -16,8 +16,9 @@ from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.intervals import Estimate, paired_difference
 from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.text_format import NONE
-from woz_tui.features.proposals.figures import SET_HEADS, ProposalFigures, SetRow, set_cells
+from woz_tui.features.proposals.figures import ProposalFigures, SetRow
 from woz_tui.features.proposals.model_figures import in_s
+from woz_tui.features.proposals.report import SET_HEADS, set_cells
 
 
 @dataclass

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from woz_tui.analysis.feature_report import FeatureReport
 from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.tables import SESSIONS, SETTINGS, Column, TableDefinition
-from woz_tui.features.proposals.figures import ProposalFigures, SetRow
+from woz_tui.analysis.text_format import digits, percent
+from woz_tui.features.proposals.figures import (
+    NOT_SEEN,
+    TAKEN,
+    ProposalFigures,
+    SaidSentence,
+    SetRow,
+)
+from woz_tui.features.proposals.model_figures import in_s, median_of, model_table, percentile_95
 from woz_tui.system.text_cleaning import seconds as exact
 
 _PLACES: dict[str, Column[Any]] = {column.name: column for column in SETTINGS.columns}
@@ -79,6 +90,78 @@ class ProposalReport(FeatureReport):
 
     tables = (SUGGESTIONS,)
     about = ("`suggestions.csv`: what was proposed to the wizard, and how it ended",)
+
+    def session_tables(self, figures: ProposalFigures) -> Iterator[ReportTable]:
+        by: dict[tuple[str, str], list[SetRow]] = {}
+        for each in figures.sets:
+            by.setdefault((each.who or each.source, each.condition), []).append(each)
+        rows = [_cells(who, condition, sets) for (who, condition), sets in sorted(by.items())]
+        yield ReportTable("Proposals", SET_HEADS, rows, words=2)
+        yield _course(figures.sets)
+        yield _origins(figures.said)
+        yield model_table(figures.models)
+
+
+SET_HEADS = (
+    *("Proposed by", "Condition", "Sets", "Shown", "Taken", "Changed", "Own key", "Ignored"),
+    *("Declined", "Expired", "Other act", "Shown after", "Taken after", "95 % within"),
+)
+
+
+def set_cells(sets: Sequence[SetRow]) -> tuple[str, ...]:
+    """What became of sets, behind the words that say which."""
+    ends = Counter(each.outcome for each in sets)
+    shown = [each.shown_us for each in sets if each.shown_us is not None]
+    after = [each.after_us for each in sets if each.is_taken and each.after_us is not None]
+    return (
+        *(str(len(sets)), str(len(shown))),
+        *(str(ends[name]) for name in TAKEN),
+        str(sum(each.is_ignored for each in sets)),
+        *(str(ends[name]) for name in ("dismissed", "expired", "other_act")),
+        *(in_s(median_of(shown)), in_s(median_of(after))),
+        in_s(percentile_95(after)),
+    )
+
+
+def _cells(who: str, condition: str, sets: Sequence[SetRow]) -> tuple[str | LogText, ...]:
+    return (LogText(who), LogText(condition), *set_cells(sets))
+
+
+def _course(sets: Sequence[SetRow]) -> ReportTable:
+    """Whether wizards take more or less of it as the session goes on: thirds of the sets that say
+    something of the wizard, where each has at least three.
+    """
+    seen = [each for each in sets if each.outcome not in NOT_SEEN]
+    size = len(seen) // 3
+    thirds = (seen[:size], seen[size:-size], seen[-size:]) if size >= 3 else ()
+    rows = [
+        (
+            *(LogText(name), str(len(third))),
+            percent(sum(each.is_taken for each in third) / len(third)),
+            percent(sum(each.outcome == "edited" for each in third) / len(third)),
+            percent(sum(each.is_ignored for each in third) / len(third)),
+        )
+        for name, third in zip(("first", "second", "last"), thirds, strict=False)
+    ]
+    heads = ("Third of the sets", "Sets", "Taken", "Changed", "Ignored")
+    return ReportTable("Proposals in the course of the session", heads, rows, words=1)
+
+
+def _origins(said: Sequence[SaidSentence]) -> ReportTable:
+    """Where sentences came from, and whether proposed ones differ from the others."""
+    by: dict[str, list[SaidSentence]] = {}
+    for each in said:
+        by.setdefault(each.origin, []).append(each)
+    rows = [
+        (
+            *(LogText(name), str(len(those)), percent(len(those) / len(said))),
+            digits(sum(each.words for each in those) / len(those)),
+            percent(sum(each.asks for each in those) / len(those)),
+        )
+        for name, those in sorted(by.items())
+    ]
+    heads = ("From", "Sentences", "Share", "Words, mean", "Questions")
+    return ReportTable("Where sentences came from", heads, rows, words=1)
 
 
 REPORT = ProposalReport()

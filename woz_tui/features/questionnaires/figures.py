@@ -263,10 +263,6 @@ class CountedQuestionnaires(FeatureFigures):
             else:
                 yield f"Whether a wizard was suspected was not answered ({'.'.join(check)})."
 
-    def tables(self, figures: QuestionnaireFigures) -> Iterator[ReportTable]:
-        yield score_table(figures)
-        yield answer_table(figures)
-
     def instant(self, episode: e.Episode) -> Instant | None:
         if not isinstance(episode, QuestionnaireEpisode) or episode.started is None:
             return None

@@ -7,9 +7,17 @@ from typing import Any
 
 from woz_tui.analysis.feature_report import BehaviourTable, FeatureReport
 from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.report_table import ReportTable
 from woz_tui.analysis.tables import SETTINGS, Column, TableDefinition, rounded
 from woz_tui.features.questionnaires.codebook import AnswerTables, variables
-from woz_tui.features.questionnaires.figures import REASONS, AnswerRow, asked_in
+from woz_tui.features.questionnaires.figures import (
+    REASONS,
+    AnswerRow,
+    QuestionnaireFigures,
+    answer_table,
+    asked_in,
+    score_table,
+)
 from woz_tui.features.questionnaires.score_tables import SCORE_ITEMS, SCORES
 from woz_tui.system.text_cleaning import seconds as exact
 
@@ -164,6 +172,10 @@ class QuestionnaireReport(FeatureReport):
 
     def gathered(self) -> AnswerTables:
         return AnswerTables(ROUND_COLUMNS)
+
+    def session_tables(self, figures: QuestionnaireFigures) -> Iterator[ReportTable]:
+        yield score_table(figures)
+        yield answer_table(figures)
 
 
 REPORT = QuestionnaireReport()

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterator
 from typing import Any
 
+from woz_tui.analysis.durations import Durations
 from woz_tui.analysis.feature_report import FeatureReport
+from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.tables import SETTINGS, Column, TableDefinition
+from woz_tui.analysis.text_format import duration
 from woz_tui.features.slots.figures import SlotRow
+from woz_tui.features.slots.kinds import KEPT
 from woz_tui.system.text_cleaning import seconds as exact
 
+#: What a report counts, in this order.
+SOURCES = ("typed", "offered", "heard", "program", KEPT)
 #: What the table of settings says of where and when something was.
 _PLACES: dict[str, Column[Any]] = {column.name: column for column in SETTINGS.columns}
 _WHERE = ("log", "session", "participant", "condition", "trial", "phase")
@@ -44,6 +52,17 @@ class SlotReport(FeatureReport):
 
     tables = (SLOTS,)
     about = ("`slots.csv`: what slots of sentences were filled with",)
+
+    def session_tables(self, figures: tuple[SlotRow, ...]) -> Iterator[ReportTable]:
+        rows = []
+        for slot in dict.fromkeys(row.slot for row in figures):
+            of_it = [row for row in figures if row.slot == slot]
+            sources = Counter(row.source for row in of_it)
+            took = Durations(row.took_us for row in of_it if row.took_us)
+            counts = (str(sources[source]) for source in SOURCES)
+            rows.append((LogText(slot), *counts, duration(took.median)))
+        heads = ("Slot", *(source.capitalize() for source in SOURCES), "Took")
+        yield ReportTable("Slots", heads, rows)
 
 
 REPORT = SlotReport()

@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 
 from tests.example_counts import many
 from tests.protocol.examples import REQUESTS
+from tests.protocol.feature_examples import feature_examples
 from tests.session.rig import HERE, action, call, together
 from woz_tui.config.experiment import Panel
 from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, Verb
 from woz_tui.features.profiles.section import Profile
-from woz_tui.features.questionnaires.kinds import AskAnswer
 from woz_tui.gate.facts import Driving, Facts
 from woz_tui.gate.questions import (
     ClientRequest,
@@ -201,7 +201,10 @@ def test_nobody_but_a_person_gives_a_consent() -> None:
         (r.AskPicture(), {"wizard", "watcher"}),
         (r.AskSound(), {"wizard", "watcher"}),
         (r.AskTalk(), {"wizard", "program"}),
-        (AskAnswer(questionnaire="q", item="i"), {"wizard", "program", "participant"}),
+        *(
+            (request, {"wizard", "program", "participant"})
+            for request in feature_examples("questionnaires", "REQUESTS")
+        ),
         (r.AskNote(text="x"), {"wizard", "program", "watcher"}),
     ],
 )

@@ -15,15 +15,12 @@ from woz_tui.config.engagement_words import STATES
 from woz_tui.features.delay.kinds import ActionHeld, ShapingChanged
 from woz_tui.features.phases.kinds import PhaseChanged
 from woz_tui.features.profiles.kinds import ProfileChanged
-from woz_tui.features.questionnaires.kinds import (
-    QuestionnaireAnswered,
-    QuestionnaireEnded,
-    QuestionnaireStarted,
-)
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings, WelcomeSettings
 
 SECOND = 1_000_000
+#: What makes messages of questionnaires, where there are any.
+_ASKED = feature_examples("questionnaires", "MAKERS")
 #: `settings.study` of what consoles are shown.
 STUDY = msgspec.convert({
     "design": {"order": "latin-square", "within": True, "trials": 2},
@@ -254,19 +251,18 @@ class Recording:
         if self._asked:
             name, self._asked = self._asked, ""
             reason = self._chance.choice(["done", "declined", "left"])
-            self._say(QuestionnaireEnded(questionnaire=name, reason=reason, answered=1))
+            self._tell_asked("ended", name, reason)
         else:
             self._asked = self._chance.choice(["each", "ux", "last", "whenever"])
-            items: list[dict[str, Any]] = [{"name": "a", "low": 1, "high": 7}, {"name": "b"}]
-            self._say(QuestionnaireStarted(questionnaire=self._asked, title="?", items=items))
+            self._tell_asked("started", self._asked)
 
     def answer(self) -> None:
         if self._asked:
-            item = self._chance.choice("ab")
-            answer = QuestionnaireAnswered(
-                questionnaire=self._asked, item=item, question="?", value=3.0
-            )
-            self._say(answer)
+            self._tell_asked("answered", self._asked, self._chance.choice("ab"))
+
+    def _tell_asked(self, what: str, *about: str) -> None:
+        for made in _ASKED:
+            self._say(made[what](*about))
 
     def tick(self) -> None:
         check, level = self._chance.choice(["door", "table"]), self._chance.choice(["ok", "error"])

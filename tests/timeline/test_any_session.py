@@ -14,12 +14,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from tests.protocol.feature_examples import feature_examples
 from tests.timeline.random_sessions import damaged, recordings, stamped, start
 from woz_tui.features.delay.history import DelayHistory
 from woz_tui.features.phases.history import PhaseHistory
 from woz_tui.features.profiles.history import ProfileHistory
-from woz_tui.features.questionnaires.history import QuestionnaireHistory
-from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered, QuestionnaireEnded
 from woz_tui.log.log_reader import read
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.kinds import message_kinds
@@ -46,14 +45,13 @@ def state_of(messages: list[m.Message] | list[m.Message]) -> SessionState:
 def known_state(state: SessionState) -> dict[str, Any]:
     """What a newcomer must know."""
     study, model = state.study, state.model
-    asked = state.history(QuestionnaireHistory)
     stop = state.stop
     return {
         "context": study.context,
         "study": (study.participant, study.condition, study.next_trial, study.order, study.planned),
         "over": (study.over, study.trials_left),
-        "answers": asked.questionnaire and asked.questionnaire.answers,
-        "due": (asked.due(state), asked.had, study.checks),
+        "asked": [known(state) for known in feature_examples("questionnaires", "KNOWN")],
+        "checks": study.checks,
         "stage": study.stage and study.stage.began,
         "trial": (study.trial and study.trial.started, study.last_started, study.last_ended),
         "break": study.in_break and study.in_break.started,
@@ -167,7 +165,7 @@ def test_a_session_that_was_recorded_has_no_end_without_a_beginning(
     messages: list[m.Message],
 ) -> None:
     ends = (
-        *(m.ActionEnd, m.TrialEnded, m.BreakEnded, QuestionnaireEnded, QuestionnaireAnswered),
+        *(m.ActionEnd, m.TrialEnded, m.BreakEnded, *feature_examples("questionnaires", "ENDS")),
         *(m.StopConfirmed, m.StopReleased, m.Dispatched, m.Progress),
     )
     timeline = timeline_of(messages)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from tests.timeline.random_sessions import SECOND, plan, start, timed
-from woz_tui.features.questionnaires.history import QuestionnaireHistory
-from woz_tui.features.questionnaires.kinds import QuestionnaireEnded, QuestionnaireStarted
+from tests.timeline.random_sessions import SECOND, start, timed
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import (
     BreakEpisode,
@@ -190,17 +188,3 @@ def test_speech_is_in_the_context_in_which_it_was_spoken() -> None:
     timeline = timeline_of(messages)
     [spoken] = timeline.of(UtteranceEpisode)
     assert pieces(timeline.parts(spoken)) == [(2.3, "warm", None), (1.0, "cold", None)]
-
-
-def test_who_comes_back_has_been_asked_nothing_yet() -> None:
-    timeline = timeline_of(
-        timed(
-            (0, start("P01")),
-            (0, plan()),
-            (1, QuestionnaireStarted(questionnaire="ux", title="", items=[])),
-            (2, QuestionnaireEnded(questionnaire="ux", reason="done", answered=1)),
-            (3, m.SessionChanged(participant="P02")),
-            (4, m.SessionChanged(participant="P01")),
-        )
-    )
-    assert timeline.state.history(QuestionnaireHistory).had == {}

@@ -1,5 +1,6 @@
 """Examples of what is said and asked of questionnaires, for the golden files of the protocol."""
 
+from woz_tui.features.questionnaires.history import QuestionnaireHistory
 from woz_tui.features.questionnaires.kinds import (
     AskAnswer,
     AskQuestionnaire,
@@ -7,6 +8,8 @@ from woz_tui.features.questionnaires.kinds import (
     QuestionnaireEnded,
     QuestionnaireStarted,
 )
+from woz_tui.protocol.messages import Json
+from woz_tui.timeline.session_state import SessionState
 
 MESSAGES = (
     QuestionnaireStarted(
@@ -71,3 +74,31 @@ REQUESTS = (
     AskAnswer(ref=33, questionnaire="robot", item="known", ticked=[1, 6], given="browser"),
     AskAnswer(ref=32, questionnaire="robot", item="else", text="it blinked"),
 )
+
+
+def started(name: str) -> QuestionnaireStarted:
+    """Two items, one of which is a scale."""
+    items: list[dict[str, Json]] = [{"name": "a", "low": 1, "high": 7}, {"name": "b"}]
+    return QuestionnaireStarted(questionnaire=name, title="?", items=items)
+
+
+def answered(name: str, item: str) -> QuestionnaireAnswered:
+    return QuestionnaireAnswered(questionnaire=name, item=item, question="?", value=3.0)
+
+
+def ended(name: str, reason: str) -> QuestionnaireEnded:
+    return QuestionnaireEnded(questionnaire=name, reason=reason, answered=1)
+
+
+def known(state: SessionState) -> dict[str, object]:
+    """What somebody must know who comes later."""
+    asked = state.history(QuestionnaireHistory)
+    answers = asked.questionnaire and asked.questionnaire.answers
+    return {"answers": answers, "due": asked.due(state), "had": asked.had}
+
+
+#: For sessions at random, and what holds of any log.
+MAKERS = ({"started": started, "answered": answered, "ended": ended},)
+KNOWN = (known,)
+#: What no session that was recorded has without its beginning.
+ENDS = (QuestionnaireEnded, QuestionnaireAnswered)

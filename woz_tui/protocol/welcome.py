@@ -14,8 +14,6 @@ from woz_tui.protocol.panels import ActionView, PhaseView
 
 #: The highest number of one digit.
 _DIGIT = 9
-#: Characters of the longest answer in words to a questionnaire.
-LONGEST = 10_000
 
 
 class Allowance(msgspec.Struct, frozen=True, omit_defaults=True):

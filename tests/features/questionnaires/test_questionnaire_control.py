@@ -10,6 +10,7 @@ from tests.features.questionnaires.rig import due, history, on_stage, questionna
 from tests.session.rig import SessionRig
 from tests.session.study_rig import short_messages, trial_control
 from woz_tui.features.questionnaires.history import DueQuestionnaire
+from woz_tui.features.questionnaires.items import LONGEST
 from woz_tui.features.questionnaires.kinds import (
     AskAnswer,
     QuestionnaireAnswered,
@@ -17,7 +18,6 @@ from woz_tui.features.questionnaires.kinds import (
     QuestionnaireStarted,
 )
 from woz_tui.protocol.refusal import RequestError
-from woz_tui.protocol.welcome import LONGEST
 
 ROUND = (QuestionnaireStarted, QuestionnaireAnswered, QuestionnaireEnded)
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from woz_tui.analysis.html.markup import Markup, joined, tag
 from woz_tui.features.questionnaires.items import (
+    LONGEST,
     MONTH,
     NUMBERS,
     POINTS,
@@ -22,7 +23,7 @@ from woz_tui.features.questionnaires.items import (
     wording,
 )
 from woz_tui.features.questionnaires.kinds import AskAnswer
-from woz_tui.protocol.welcome import LONGEST, QuestionnaireItem, QuestionnaireWords
+from woz_tui.protocol.welcome import QuestionnaireItem, QuestionnaireWords
 
 #: Points of a scale that are buttons each, at the most; a wider one takes a number.
 MOST_POINTS = 21

@@ -11,6 +11,7 @@ from woz_tui.features.questionnaires.answers import answer_told, items_of
 from woz_tui.features.questionnaires.history import QuestionnaireHistory
 from woz_tui.features.questionnaires.items import (
     GIVEN,
+    LONGEST,
     NUMBERS,
     POINTS,
     SKIPPED,
@@ -32,7 +33,7 @@ from woz_tui.features.questionnaires.kinds import (
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import PARTICIPANT
-from woz_tui.protocol.welcome import LONGEST, Questionnaire, QuestionnaireItem
+from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 from woz_tui.timeline.feature_history import Owed
 

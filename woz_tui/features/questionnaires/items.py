@@ -20,6 +20,8 @@ NOT_SHOWN = "not_shown"
 GIVEN = ("self", "read_aloud", "own_terminal", "browser")
 #: Kinds whose answer is one of some points, and those whose answer is a number.
 POINTS, NUMBERS = frozenset({"scale", "slider"}), frozenset({"scale", "slider", "number"})
+#: Characters of the longest answer in words.
+LONGEST = 10_000
 #: How a month is written.
 MONTH = re.compile(r"[12]\d{3}-(0[1-9]|1[0-2])")
 

@@ -13,6 +13,7 @@ from dataclasses import replace
 from woz_tui.console.input.keyboard import HELD_US
 from woz_tui.features.questionnaires.answers import OpenQuestionnaire, answer_told
 from woz_tui.features.questionnaires.items import (
+    LONGEST,
     MONTH,
     NUMBERS,
     SKIPPED,
@@ -23,7 +24,7 @@ from woz_tui.features.questionnaires.items import (
     ways_out,
 )
 from woz_tui.features.questionnaires.kinds import AskAnswer, AskQuestionnaire
-from woz_tui.protocol.welcome import ENGLISH, LONGEST, QuestionnaireItem, QuestionnaireWords
+from woz_tui.protocol.welcome import ENGLISH, QuestionnaireItem, QuestionnaireWords
 
 #: Steps of the page keys on a wide scale.
 _LEAP = 10

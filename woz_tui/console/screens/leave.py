@@ -74,7 +74,7 @@ class LeaveDialog(ChoiceDialog):
         if after := self.state.settings.abandon_after:
             ends = f"it ends by itself after {lasting(after)} without a console"
             leaves = f"{leaves}\n  {ends} (abandon_after)"
-        leave = ListChoice(Content(leaves), self._detach)
+        leave = ListChoice(Content(leaves), self._leave_running)
         self._questions = self._open_questions()
         if self.state.role == "watcher":
             return [stay, leave]
@@ -87,7 +87,7 @@ class LeaveDialog(ChoiceDialog):
             found.append(ListChoice(line, partial(self._answer, each), stays=True))
         return found
 
-    def _detach(self) -> None:
+    def _leave_running(self) -> None:
         self.console_app.exit("detached")
 
     # -- what is open ---------------------------------------------------------------------------

@@ -96,7 +96,21 @@ class FrontPort:
                     self._end_oldest(those)
 
 
-class _Outside(asyncio.Protocol):
+class _Side(asyncio.Protocol):
+    """One of two connections whose bytes go over to each other."""
+
+    _transport: asyncio.Transport | None = None
+
+    def read_on(self, on: bool) -> None:
+        """Whether it may send more."""
+        if self._transport is not None:
+            if on:
+                self._transport.resume_reading()
+            else:
+                self._transport.pause_reading()
+
+
+class _Outside(_Side):
     """A connection of the network."""
 
     def __init__(self, port: FrontPort) -> None:
@@ -106,7 +120,6 @@ class _Outside(asyncio.Protocol):
         self._name: str | None = None
         self._inside: _Inside | None = None
         self._connecting: asyncio.Task[None] | None = None
-        self._transport: asyncio.Transport | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Wait until it speaks."""
@@ -167,14 +180,6 @@ class _Outside(asyncio.Protocol):
         if self._transport is not None and self._goes.pending:
             self._transport.write(self._goes.read())
 
-    def read_on(self, on: bool) -> None:
-        """Whether it may send more."""
-        if self._transport is not None:
-            if on:
-                self._transport.resume_reading()
-            else:
-                self._transport.pause_reading()
-
     def pause_writing(self) -> None:
         """The network takes no more for now."""
         if self._inside is not None:
@@ -195,12 +200,11 @@ class _Outside(asyncio.Protocol):
             self._transport.close()
 
 
-class _Inside(asyncio.Protocol):
+class _Inside(_Side):
     """The connection to the line that belongs to one of the network."""
 
     def __init__(self, outside: _Outside) -> None:
         self._outside = outside
-        self._transport: asyncio.Transport | None = None
         #: What has come before it was open.
         self._early = bytearray()
         self._ended = False
@@ -223,14 +227,6 @@ class _Inside(asyncio.Protocol):
 
     def data_received(self, data: bytes) -> None:
         self._outside.send(data)
-
-    def read_on(self, on: bool) -> None:
-        """Whether it may send more."""
-        if self._transport is not None:
-            if on:
-                self._transport.resume_reading()
-            else:
-                self._transport.pause_reading()
 
     def pause_writing(self) -> None:
         """The line takes no more for now."""

@@ -35,7 +35,7 @@ class ListenAddress:
             )
         if int(port) > 0xFFFF:
             raise ValueError(f"{text!r}: ports go up to {0xFFFF}")
-        if scheme in ("ws", "tcp") and not _is_loopback(host):
+        if scheme in ("ws", "tcp") and not is_loopback(host):
             raise ValueError(
                 f"{text!r} would let the whole network in without certificates: without"
                 f" `{scheme}://` the connection is encrypted, and each name has its certificate"
@@ -48,7 +48,8 @@ def is_access_name(name: str) -> bool:
     return name.isascii() and name.replace("-", "").replace("_", "").isalnum()
 
 
-def _is_loopback(host: str) -> bool:
+def is_loopback(host: str) -> bool:
+    """Whether only this computer itself reaches it."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:

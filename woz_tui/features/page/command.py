@@ -23,9 +23,9 @@ from woz_tui.console.link.message_feed import Loss
 from woz_tui.features.page.control import PageControl, open_pages, order
 from woz_tui.features.page.kinds import AskPageTell, PageFailed, PageOpened
 from woz_tui.features.page.qr import MissingQrError, drawn, modules
-from woz_tui.features.page.section import HERE, is_here
+from woz_tui.features.page.section import HERE
 from woz_tui.features.page.visitors import PageRole, Visitors
-from woz_tui.network.listen_address import ListenAddress
+from woz_tui.network.listen_address import ListenAddress, is_loopback
 from woz_tui.system.tasks import end_tasks, until_first_ends
 
 if TYPE_CHECKING:  # aiohttp
@@ -179,7 +179,7 @@ def _address(arguments: Namespace) -> tuple[ListenAddress, ssl.SSLContext | None
         except (OSError, ssl.SSLError) as error:
             raise PageError(f"{arguments.certificate}: {error}") from error
         return at, tls
-    if not (arguments.plain or is_here(at.host)):
+    if not (arguments.plain or is_loopback(at.host)):
         raise PageError(
             f"{arguments.at} is not this computer alone, and without a certificate"
             " everybody in the network can read the pages: --plain allows that, --certificate"
@@ -200,7 +200,7 @@ async def _pages(
     say = partial(print, flush=True)
     explain: Callable[[Loss], Loss] | None = session.line.explained if session.line else None
     own = {socket.gethostname(), f"{socket.gethostname()}.local", "localhost", *arguments.name}
-    is_open = tls is None and not is_here(at.host)
+    is_open = tls is None and not is_loopback(at.host)
     name = "page, not encrypted" if is_open else "page"
     server = PageServer(
         session.path,

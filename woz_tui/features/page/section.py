@@ -8,7 +8,6 @@ page:
 
 from __future__ import annotations
 
-import ipaddress
 import shlex
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -22,7 +21,7 @@ from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.fields import Doc, NotEmpty, OneOf, Path, Unique
 from woz_tui.features.page.visitors import PageRole
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES
-from woz_tui.network.listen_address import ListenAddress
+from woz_tui.network.listen_address import ListenAddress, is_loopback
 
 #: Where pages are unless something else is said: on this computer alone.
 HERE = "127.0.0.1:8080"
@@ -88,7 +87,7 @@ class PageSection(FeatureSection[PageSettings | None]):
         except ValueError as error:
             keys.get("at", cursor).error(str(error))
             return settings
-        if not (settings.plain or settings.certificate or is_here(at.host)):
+        if not (settings.plain or settings.certificate or is_loopback(at.host)):
             keys.get("at", cursor).error(
                 f"{settings.at} lets other computers in, and nothing is encrypted: a certificate"
                 " and its key encrypt, `plain: true` says that this is meant, in a network of"
@@ -116,14 +115,6 @@ class PageSection(FeatureSection[PageSettings | None]):
         if settings is not None:
             how = "encrypted" if settings.certificate else "not encrypted"
             yield "page", f"`woz page` at {settings.at}, {how}: {', '.join(settings.for_)}"
-
-
-def is_here(host: str) -> bool:
-    """Whether only this computer reaches an address."""
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
 
 
 def command_line(settings: PageSettings) -> str:

@@ -11,16 +11,31 @@ from woz_tui.analysis.figures import OUTSIDE, PartFigures, SessionFigures
 from woz_tui.analysis.html.course_strips import Course, ruler
 from woz_tui.analysis.html.figure_definitions import defined, table, wide
 from woz_tui.analysis.html.markup import Child, Markup, isolated, joined, tag
-from woz_tui.analysis.html.outcome_section import outcome_figures
+from woz_tui.analysis.html.outcome_plots import comparison, distribution
+from woz_tui.analysis.html.reaction_plot import reaction_curves
 from woz_tui.analysis.html.session_section import title_of
 from woz_tui.analysis.measures import BY_NAME
+from woz_tui.analysis.outcome_tables import (
+    caption,
+    conditions_table,
+    differences_sentence,
+    heading,
+)
+from woz_tui.analysis.outcomes import Outcome
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.participants import participant_text
+from woz_tui.analysis.reaction_totals import (
+    REACTION_WORDS,
+    REACTIONS,
+    early_sentences,
+    reactions_table,
+)
 from woz_tui.analysis.report_tables import (
     PAGE_COLUMNS,
     condition_totals,
     figure_text,
 )
+from woz_tui.analysis.study_outcomes import StudyOutcomes
 from woz_tui.analysis.text_format import NONE, counted
 
 
@@ -141,7 +156,7 @@ def _totals(grouped: GroupedSessions) -> Iterator[Child]:
         yield table(condition_totals(totals))
         for each in grouped.gathered.values():
             yield from map(table, each.tables(experiment, totals))
-        yield from outcome_figures(grouped.outcomes(experiment))
+        yield from _outcomes(grouped.outcomes(experiment))
     yield from map(table, apart_tables(grouped))
 
 
@@ -160,3 +175,30 @@ def _strips(found: Sequence[SessionCard]) -> Markup:
     caption = tag("caption", words)
     inner = tag("table", caption, tag("thead", head), tag("tbody", rows), class_="strips")
     return wide(inner, "Courses")
+
+
+# -- what is compared between conditions: pictures with their tables beside them ------------------
+
+
+def _outcomes(found: StudyOutcomes) -> Iterator[Child]:
+    """The flow of participants, reactions to cues, then each outcome."""
+    yield table(found.flow.table())
+    if curves := reaction_curves(found.reactions):
+        words = tag("figcaption", tag("h4", REACTIONS), tag("p", REACTION_WORDS))
+        yield tag("figure", words, curves, class_="outcome")
+    yield table(reactions_table(found.reactions))
+    early = [tag("li", isolated(sentence)) for sentence in early_sentences(found.reactions)]
+    if early:
+        yield tag("ul", early, class_="bad")
+    if found.outcomes:
+        yield tag("h3", "Compared")
+        yield tag("div", map(_figure, found.outcomes), class_="outcomes")
+
+
+def _figure(outcome: Outcome) -> Markup:
+    words: list[Child] = [tag("p", caption(outcome))]
+    if sentence := differences_sentence(outcome):
+        words.append(tag("p", isolated(sentence), class_="difference"))
+    pictures = tag("div", comparison(outcome), distribution(outcome), class_="pictures")
+    head = tag("figcaption", tag("h4", isolated(heading(outcome.name))), words)
+    return tag("figure", head, pictures, table(conditions_table(outcome)), class_="outcome")

@@ -330,13 +330,17 @@ def _print_until_closed(robot: RobotProcess, progress: RerunLines) -> bool:
                         link.sendall(codec.encode(stop))
 
 
+def _noted(_number: int, _frame: object) -> None:
+    """It is read from the socket."""
+
+
 @contextlib.contextmanager
 def _signals() -> Iterator[socket.socket]:
     """Readable as soon as a signal has come that means the end: then the robot is stopped first."""
     reader, writer = socket.socketpair()
     reader.setblocking(False)
     writer.setblocking(False)
-    before = {number: signal.signal(number, lambda *_: None) for number in _SIGNALS}
+    before = {number: signal.signal(number, _noted) for number in _SIGNALS}
     wakeup = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
     try:
         yield reader

@@ -84,8 +84,11 @@ class LifeWatch:
     def _made(
         self, loop: asyncio.AbstractEventLoop, coro: Coroutine[Any, Any, Any], **more: Any
     ) -> asyncio.Task[Any]:
-        make = self._factory or (lambda of, work, **rest: asyncio.Task(work, loop=of, **rest))
-        task: asyncio.Task[Any] = make(loop, coro, **more)
+        task: asyncio.Task[Any]
+        if self._factory is None:
+            task = asyncio.Task(coro, loop=loop, **more)
+        else:
+            task = self._factory(loop, coro, **more)
         self._tasks.append(task)
         return task
 

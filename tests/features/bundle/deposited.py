@@ -185,7 +185,10 @@ def recorded(folder: Path, *, last: str = EXPERIMENT) -> Path:
     return folder
 
 
-def bundled(recordings: Path, out: Path, about: About = NOTHING, **options: object) -> BundleResult:
+def bundled(
+    recordings: Path, out: Path, about: About = NOTHING, *, force: bool = False, **options: object
+) -> BundleResult:
     """A bundle of the study."""
     sources, _ = find_sources([recordings])
-    return write_bundle(sources, out, BundleOptions(about=about, **options))  # type: ignore[arg-type]
+    given = BundleOptions(about=about, **options)  # type: ignore[arg-type]
+    return write_bundle(sources, out, given, force=force)

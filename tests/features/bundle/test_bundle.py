@@ -201,10 +201,13 @@ def test_its_script_reproduces_means_of_the_report(bundle: Path) -> None:
         timeout=60,
         check=True,
     )
+    told, choices = ran.stdout.split("\n\n")
     means = {
         (row["item"], row["condition"]): float(row["mean"])
-        for row in csv.DictReader(ran.stdout.splitlines())
+        for row in csv.DictReader(told.splitlines())
     }
+    assert "robot_ux_robots" not in told, "codes of choices have no mean"
+    assert choices.splitlines()[1:] == ["robot_ux_robots,sober,2,3", "robot_ux_robots,warm,2,3"]
     for condition in ("warm", "sober"):
         known = [pleasant[condition] for _, pleasant, _ in ANSWERS.values()]
         expected = pytest.approx(sum(known) / len(known), abs=1e-3)
@@ -385,7 +388,8 @@ panels: [{title: P, actions: [{key: h, label: Hello, say: Hello.}]}]
     text = (tmp_path / "osf" / "documentation" / "preregistration.md").read_text()
     assert "# Preregistration: Three ways" in text
     assert "Conditions: warm, sober and silent." in text
-    assert "everybody gets all 3 conditions, 2 trials in each" in text
+    assert "each participant gets all, 2 trials in each" in text
+    assert "There are 6 rows (warm, sober, silent; " in text
     assert "`mood_how_are_you`, asked after each condition: How are you?" in text
     assert "robot_ux" not in text
 
@@ -411,3 +415,15 @@ def test_a_code_that_is_a_word_is_told_before_anything_is_written(
     [row] = [row for row in table(tmp_path / "osf", "actions") if row["action"] == "Hello"][:1]
     assert (row["panel"], row["source"]) == ("Speech", "key")
     bundled(tmp_path / "r", tmp_path / "plain")
+
+
+def test_materials_do_not_tell_of_the_labs_computer(tmp_path: Path) -> None:
+    """A robot that comes with woz-tui lies where that was installed."""
+    log = write(tmp_path / "r", course_of("P01"), "2026-03-01T10-00-00_P01_S01")
+    for name in (b"../../opt/lab-7/robots/simulated.yaml", b"/opt/lab-7/robots/simulated.yaml"):
+        told = log.read_bytes().replace(b'"robots/simulated.yaml"', b'"%b"' % name)
+        (tmp_path / "r" / log.name).write_bytes(told)
+        bundled(tmp_path / "r", tmp_path / "osf", force=True)
+        assert (tmp_path / "osf" / "materials" / "robots" / "simulated.yaml").exists()
+        assert not [name for name, data in everything(tmp_path / "osf").items() if b"lab-7" in data]
+        log.write_bytes(told.replace(b'"%b"' % name, b'"robots/simulated.yaml"'))

@@ -283,7 +283,7 @@ class _Bundle:
         self._write("documentation/deviations.md", changes)
 
     def _scripts(self) -> None:
-        self._write("analysis/read.py", reading_scripts.python_script(self._study))
+        self._write("analysis/read.py", reading_scripts.python_script(self._study, self._items))
         self._write("analysis/read.R", reading_scripts.r_script(self._study, self._items))
         self._write("analysis/read.sps", reading_scripts.spss_script(self._study, self._items))
 
@@ -332,6 +332,10 @@ class _Bundle:
 
 
 def _safe(name: str) -> str:
-    """A name inside the folder: what lies above the experiment is named from there."""
-    parts = [part for part in name.replace("\\", "/").split("/") if part not in ("", ".", "..")]
-    return "/".join(part for part in parts if part != "~") or "file"
+    """A name inside the folder. What lies elsewhere than the experiment is named by its own folder
+    alone, as `robots/simulated.yaml`: the rest tells of the lab's computer.
+    """
+    parts = name.replace("\\", "/").split("/")
+    inside = [part for part in parts if part not in ("", ".", "..", "~")]
+    elsewhere = parts[0] in ("", "..", "~") or parts[0].endswith(":")
+    return "/".join(inside[-2:] if elsewhere else inside) or "file"

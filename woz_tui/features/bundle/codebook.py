@@ -53,8 +53,8 @@ class Variable:
     questionnaire: str = ""
     item: str = ""
     number: int = 0
-    low: int | None = None
-    high: int | None = None
+    low: float | None = None
+    high: float | None = None
     labels: Mapping[int, str] = field(default_factory=dict)
     unit: str = ""
     asked: str = ""
@@ -72,9 +72,9 @@ class Variable:
         """`1 = not at all; 7 = very much`."""
         named = [f"{value} = {label}" for value, label in self.labels.items()]
         if self.low is not None and not named:
-            named = [f"{self.low} to {self.high}"]
+            named = [f"{self.low:g} to {self.high:g}"]
         if self.shift and self.low is not None and self.high is not None:
-            named.append(f"shown as {self.low + self.shift} to {self.high + self.shift}")
+            named.append(f"shown as {self.low + self.shift:g} to {self.high + self.shift:g}")
         return "; ".join(named)
 
 
@@ -115,6 +115,8 @@ def defined_in(asked: Questionnaire) -> Iterator[Variable]:
             *(ANSWERS, score.name, score.in_words, "number"),
             questionnaire=asked.name,
             item=score.score.name,
+            low=score.low,
+            high=score.high,
             asked=_WHENS.get(asked.when, asked.when),
             is_score=True,
             meaning=(score, *(meanings.get(name) for name in score.score.items)),

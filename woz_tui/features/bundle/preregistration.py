@@ -85,7 +85,7 @@ def _randomisation(study: RegisteredStudy) -> str:
     if design is None:
         return "The file orders no conditions."
     order = _ORDERS.get(design.order, design.order or "as the wizard says")
-    return f"Order of conditions: {order}." + (f" {study.order}." if study.order else "")
+    return f"Order of conditions: {order}. {study.order}".strip()
 
 
 def _manipulated(study: RegisteredStudy) -> Iterator[str]:

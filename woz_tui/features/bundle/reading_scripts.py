@@ -10,27 +10,34 @@ from woz_tui.features.bundle.codebook import ANSWERS, Variable
 from woz_tui.features.bundle.data_tables import table_file
 
 _PYTHON = '''\
-"""Means of all items by condition: of each participant the mean, then the mean over participants.
+"""Means of all items by condition: of each participant the mean, then the mean over participants;
+of choices, whose codes have no order, how often each was made.
 
 Run it in any place: python3 analysis/read.py
 """
 import csv
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
 
 TABLE = Path(__file__).resolve().parents[1] / "{table}"
+CHOICES = {choices}
 
 with TABLE.open(encoding="utf-8", newline="") as file:
     rows = list(csv.DictReader(file))
 keys = ("participant", "session", "condition", "round")
 values = defaultdict(lambda: defaultdict(list))
 for row in rows:
-    for item in (name for name in row if name not in keys and row[name] != ""):
+    for item in (name for name in row if name not in (*keys, *CHOICES) and row[name] != ""):
         values[item, row["condition"]][row["participant"]].append(float(row[item]))
 print("item,condition,n,mean")
 for (item, condition), people in sorted(values.items()):
     means = [sum(each) / len(each) for each in people.values()]
     print(f"{{item}},{{condition}},{{len(means)}},{{sum(means) / len(means):.4f}}")
+for item in CHOICES:
+    print("\\nitem,condition,value,count")
+    made = Counter((row["condition"], int(row[item])) for row in rows if row[item] != "")
+    for (condition, value), count in sorted(made.items()):
+        print(f"{{item}},{{condition}},{{value}},{{count}}")
 '''
 
 _R = """\
@@ -68,9 +75,18 @@ EXECUTE.
 """
 
 
-def python_script(study: str) -> str:
+def python_script(study: str, items: Sequence[Variable]) -> str:
     """Reproduces means of the report."""
-    return _PYTHON.format(table=table_file(study, ANSWERS))
+    return _PYTHON.format(table=table_file(study, ANSWERS), choices=_choices(items))
+
+
+def _choices(items: Sequence[Variable]) -> tuple[str, ...]:
+    """Names of variables whose numbers have no order."""
+    return tuple(
+        each.name
+        for each in items
+        if each.of is not None and each.of.item.asks == "choice" and not each.withheld
+    )
 
 
 def r_script(study: str, items: Sequence[Variable]) -> str:
@@ -107,8 +123,8 @@ def spss_script(study: str, items: Sequence[Variable]) -> str:
 
 def _level(each: Variable) -> str:
     """Codes of choices have no order; points of a scale have one; what is counted has distances."""
-    if each.low is None:
-        return "SCALE" if each.is_score else "NOMINAL"
+    if each.low is None and not each.is_score:
+        return "NOMINAL"
     return "ORDINAL" if each.labels else "SCALE"
 
 

@@ -5,7 +5,7 @@ version of it.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,16 +14,20 @@ from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.drivers import plugins
 from woz_tui.features.bundle.session_copies import PlayedFile
-from woz_tui.features.study.design import Design
-from woz_tui.features.study.section import DESIGN, design_sentence
+from woz_tui.features.study.counterbalancing import block_size, rows
+from woz_tui.features.study.design import BLOCKS, Design
+from woz_tui.features.study.section import DESIGN
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.welcome import StudySettings
 from woz_tui.session.session_plan import study_settings
 
+#: So many rows are listed.
+_LISTED = 12
+
 
 @dataclass(frozen=True, slots=True)
 class RegisteredStudy:
-    """What is planned. `order`: a sentence on who gets which condition; empty: nothing says it."""
+    """What is planned. `order`: what decides the order of conditions, beside its kind."""
 
     title: str = ""
     conditions: tuple[str, ...] = ()
@@ -55,15 +59,33 @@ def _of(experiment: Experiment) -> RegisteredStudy:
         experiment.title,
         tuple(experiment.conditions),
         study_settings(experiment),
-        design_sentence(design, len(experiment.conditions)) if design is not None else "",
+        _order(design, experiment.conditions) if design is not None else "",
+    )
+
+
+def _order(design: Design, conditions: Sequence[str]) -> str:
+    if design.order == BLOCKS:
+        return f"Blocks of {block_size(design, conditions)} participants, seed {design.seed}."
+    orders = rows(design, conditions)
+    told = "; ".join(", ".join(order) for order in orders[:_LISTED])
+    more = "; and so on" if len(orders) > _LISTED else ""
+    if len(orders) < 2:
+        return f"It is {told}."
+    count = len(orders)
+    return (
+        f"There are {count} rows ({told}{more}): with a multiple of {count} participants they are"
+        " balanced."
     )
 
 
 def _unpacked(files: Mapping[str, str], folder: Path) -> Path:
-    """The experiment file, with those that it names, in `folder`; what lay above it is left out."""
+    """The experiment file, with those that it names, in `folder`. It lies deep in it, so that
+    others may lie beside folders above it; what lay elsewhere is left out.
+    """
+    inside = folder.resolve() / "1" / "2" / "3"
     for name, text in files.items():
-        place = folder / name
-        if place.resolve().is_relative_to(folder.resolve()):
+        place = (inside / name).resolve()
+        if place.is_relative_to(folder.resolve()):
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_text(text, encoding="utf-8")
-    return folder / next(iter(files), "experiment.yaml")
+    return inside / next(iter(files), "experiment.yaml")

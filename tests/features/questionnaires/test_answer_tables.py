@@ -13,10 +13,12 @@ from msgspec.structs import replace
 
 from tests.config.catalogue import CATALOGUE
 from tests.export.export_runs import course_to
-from tests.export.logs import Timed, start
+from tests.export.logs import Timed, start, write
 from tests.export.test_bids import validated
 from tests.export.test_csv import check_dictionary, package
 from tests.protocol.examples import messages as examples
+from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.analysis.session_reading import read_report
 from woz_tui.config.loading import load
 from woz_tui.features.questionnaires.in_session import _item_view
 from woz_tui.features.questionnaires.items import arranged, wording
@@ -25,6 +27,7 @@ from woz_tui.features.questionnaires.kinds import (
     QuestionnaireEnded,
     QuestionnaireStarted,
 )
+from woz_tui.features.questionnaires.scales import GatheredScales
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES
 from woz_tui.protocol import messages as m
 
@@ -226,3 +229,33 @@ def test_frictionless_accepts_the_tables_of_every_kind_of_item(
     assert {"questionnaires", "questionnaires_wide", "codebook"} <= {
         task.name for task in report.tasks
     }
+
+
+def test_codes_of_choices_are_counted_and_have_no_mean(tmp_path: Path) -> None:
+    """`yes` is 1 and `unsure` 3: a mean of 2 would be *no*."""
+    for number, code in enumerate((1, 3, 3), start=1):
+        who = f"P{number:02}"
+        told = [
+            (t, replace(each, value=float(code)))
+            if isinstance(each, QuestionnaireAnswered) and each.item == "known"
+            else (t, start(who, f"S{number}") if isinstance(each, m.SessionStart) else each)
+            for t, each in course()
+        ]
+        write(tmp_path, told, f"2026-03-0{number}T10-00-00_{who}_S{number}")
+    grouped = GroupedSessions()
+    for log in sorted(tmp_path.glob("*.jsonl")):
+        if ".samples." not in log.name:
+            grouped.add(read_report(log).figures)
+    gathered = grouped.gathered["questionnaires"]
+    assert isinstance(gathered, GatheredScales)
+    [experiment] = grouped.experiments
+    assert "known" not in [each.item for each in gathered.items(experiment)]
+    assert [
+        (each.label, each.chose, each.answered)
+        for each in gathered.choices(experiment)
+        if each.item == "known"
+    ] == [("yes", 1, 3), ("no", 0, 3), ("unsure", 2, 3)]
+    which = [each for each in gathered.choices(experiment) if each.item == "which"]
+    assert [(each.label, each.chose) for each in which] == [
+        ("a vacuum cleaner", 3), ("a toy", 0), ("other", 3),
+    ]  # fmt: skip

@@ -230,14 +230,16 @@ class CountedQuestionnaires(FeatureFigures):
             yield f"{each.title or each.questionnaire}: {each.answered}{items} answered, {ended}"
 
     def attended(self, sessions: Sequence[QuestionnaireFigures]) -> Iterator[str]:
-        given: Counter[str] = Counter()
+        given: Counter[tuple[str, str]] = Counter()
         declined = 0
         for figures in sessions:
             for each in figures.rounds:
-                given[each.title or each.questionnaire] += 1
+                given[each.title or each.questionnaire, each.questionnaire] += 1
                 declined += each.reason == "declined"
-        for name, count in given.items():
-            yield f"The questionnaire {name} was given {times(count)}."
+        titles = Counter(title for title, _ in given)
+        for (title, name), count in given.items():
+            named = f"{title} ({name})" if titles[title] > 1 else title
+            yield f"The questionnaire {named} was given {times(count)}."
         if declined:
             yield f"Participants declined {counted(declined, 'questionnaire')}."
 

@@ -14,7 +14,9 @@ from woz_tui.analysis.participant_groups import ConditionTotal, Total, total_of
 from woz_tui.analysis.participants import participants_of, who_took_part
 from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.report_tables import OVER, total_text
+from woz_tui.analysis.text_format import NONE
 from woz_tui.features.questionnaires.figures import AnswerRow, RoundRow, asked_in, scale_text
+from woz_tui.features.questionnaires.items import value_labels
 from woz_tui.features.questionnaires.score_totals import (
     ScoreTotal,
     ScoreTotals,
@@ -37,6 +39,32 @@ class ItemTotal:
     high: float | None
     total: Total
     wordings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ChoiceTotal:
+    """A choice of an item in one condition: how many `chose` it of those who `answered`. Somebody
+    who was asked several times in it chose what they chose once.
+    """
+
+    questionnaire: str
+    item: str
+    question: str
+    condition: str
+    value: int
+    label: str
+    chose: int
+    answered: int
+
+
+@dataclass(slots=True)
+class _Choices:
+    """An item of choices."""
+
+    question: str
+    labels: Mapping[int, str]
+    #: Condition -> participant -> codes.
+    chosen: dict[str, dict[str, set[int]]] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
@@ -113,6 +141,8 @@ class GatheredScales(GatheredFigures):
         self._outcomes: dict[str, _ScaleOutcomes] = {}
         self._scores: dict[str, ScoreTotals] = {}
         self._items: dict[tuple[str, str, str, float | None, float | None], _Item] = {}
+        #: By experiment, questionnaire, item and what its choices are called.
+        self._choices: dict[tuple[str, str, str, tuple[str, ...]], _Choices] = {}
 
     def add(self, experiment: str, figures: SessionFigures) -> None:
         people = participants_of(figures) if figures.all_trials else ()
@@ -127,8 +157,19 @@ class GatheredScales(GatheredFigures):
             if each.counted or each.participant in people:
                 who = who_took_part(each.participant, figures.session)
                 outcomes.unanswered(each, who, answered)
+        labels = {
+            (asked.name, item.name): value_labels(item)
+            for asked in found.questionnaires
+            for item in asked.items
+            if item.choices
+        }
         for answer in found.answers:
-            if answer.value is None or not (answer.counted or answer.participant in people):
+            if not (answer.counted or answer.participant in people):
+                continue
+            if answer.kind in ("choice", "choices"):
+                self._add_choice(experiment, answer, figures, labels)
+                continue
+            if answer.value is None:
                 continue
             key = (experiment, answer.questionnaire, answer.item, answer.low, answer.high)
             item = self._items.setdefault(key, _Item())
@@ -142,6 +183,38 @@ class GatheredScales(GatheredFigures):
             if score.counted or score.participant in people:
                 who = who_took_part(score.participant, figures.session)
                 self._scores.setdefault(experiment, ScoreTotals()).add(score, who)
+
+    def _add_choice(
+        self,
+        experiment: str,
+        answer: AnswerRow,
+        figures: SessionFigures,
+        labels: Mapping[tuple[str, str], Mapping[int, str]],
+    ) -> None:
+        """Codes have no order and no mean: they are counted."""
+        codes = answer.values or (() if answer.value is None else (round(answer.value),))
+        if not codes:
+            return
+        named = labels.get((answer.questionnaire, answer.item), {})
+        key = (experiment, answer.questionnaire, answer.item, tuple(named.values()))
+        choices = self._choices.setdefault(key, _Choices(answer.question, named))
+        people = choices.chosen.setdefault(answer.condition, {})
+        people.setdefault(who_took_part(answer.participant, figures.session), set()).update(codes)
+
+    def choices(self, experiment: str) -> list[ChoiceTotal]:
+        """How many chose what, by questionnaire, item, condition and choice."""
+        return [
+            ChoiceTotal(
+                *(questionnaire, name, each.question, condition, value),
+                label=each.labels.get(value, ""),
+                chose=sum(value in codes for codes in people.values()),
+                answered=len(people),
+            )
+            for (of, questionnaire, name, _), each in self._choices.items()
+            if of == experiment
+            for condition, people in sorted(each.chosen.items())
+            for value in each.labels or sorted(set().union(*people.values()))
+        ]
 
     def outcomes(self, experiment: str, first: Mapping[str, str]) -> list[Outcome]:
         there, scores = self._outcomes.get(experiment), self._scores.get(experiment)
@@ -172,6 +245,7 @@ class GatheredScales(GatheredFigures):
         conditions = any(total.condition for total in totals)
         yield from score_total_tables(self.scores(experiment), conditions)
         yield from item_tables(self.items(experiment), totals)
+        yield choice_table(self.choices(experiment))
 
     def remarks(self, experiment: str) -> Iterator[str]:
         reworded = dict.fromkeys(
@@ -183,7 +257,11 @@ class GatheredScales(GatheredFigures):
             yield f"the words of {', '.join(reworded)} were changed between these sessions"
 
     def values(self, experiment: str) -> Mapping[str, Any]:
-        return {"scales": self.items(experiment), "scores": self.scores(experiment)}
+        return {
+            "scales": self.items(experiment),
+            "scores": self.scores(experiment),
+            "choices": self.choices(experiment),
+        }
 
 
 def item_tables(
@@ -215,4 +293,21 @@ def _item_totals(title: str, items: Sequence[ItemTotal], without: str = "none") 
         [*map(LogText, key), *(total_text(row.get(each)) for each in conditions), LogText(question)]
         for (question, *key), row in rows.items()
     ]
+    return ReportTable(title, [*heads, "Question"], cells, words=3, on_terminal=len(heads))
+
+
+def choice_table(choices: Sequence[ChoiceTotal]) -> ReportTable:
+    """A row for each choice, a column for each condition, and for what was asked once."""
+    conditions = sorted({each.condition for each in choices})
+    rows: dict[tuple[str, ...], dict[str, str]] = {}
+    for each in choices:
+        label = each.label or str(each.value)
+        key = (each.question, each.questionnaire, each.item, label)
+        rows.setdefault(key, {})[each.condition] = f"{each.chose} of {each.answered}"
+    heads = ["Questionnaire", "Item", "Choice", *(LogText(each or "all") for each in conditions)]
+    cells = [
+        [*map(LogText, key), *(row.get(each, NONE) for each in conditions), LogText(question)]
+        for (question, *key), row in rows.items()
+    ]
+    title = "Choices: participants who made them"
     return ReportTable(title, [*heads, "Question"], cells, words=3, on_terminal=len(heads))

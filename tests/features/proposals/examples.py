@@ -14,6 +14,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestModel,
     SuggestOffered,
     SuggestRanked,
+    SuggestRehearsed,
     SuggestSettings,
     SuggestShown,
     SuggestTaken,
@@ -71,6 +72,7 @@ PROPOSALS = (
     ),
     SuggestShown(set="s00002", items=["1", "2"], after_us=41_000, console="con1"),
     SuggestTrial(trial=2, offered=False),
+    SuggestRehearsed(cue="q0003", items=["Exhibit", "Hello"], fits=True),
 )
 REQUESTS = (
     AskTake(ref=61, set="s00001", item="1", text="It is a blue whale.", key="f9", age_us=800),

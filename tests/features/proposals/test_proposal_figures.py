@@ -79,7 +79,7 @@ def test_each_sentence_has_its_origin() -> None:
 
 
 def test_the_report_and_the_methods_section_say_it() -> None:
-    sets, course, origins, _ = REPORT.session_tables(counted())
+    sets, course, origins, *_ = REPORT.session_tables(counted())
     logs, mcp = (dict(zip(sets.heads, map(str, row), strict=True)) for row in sets.rows)
     assert [logs[head] for head in ("Sets", "Shown", "Own key", "Ignored")] == ["2", "1", "1", "1"]
     assert (mcp["Changed"], mcp["Shown"], mcp["Taken after"]) == ("1", "0", "2 s")
@@ -127,7 +127,7 @@ def test_the_methods_section_names_model_prompt_and_where_it_ran() -> None:
             ),
         )
     figures = figures_of(in_time(session.end(9))).features["proposals"]
-    *_, table = REPORT.session_tables(figures)
+    *_, table, _ = REPORT.session_tables(figures)
     (row,) = table.rows
     assert [*map(str, row)][:5] == ["small-q4 (fp1)", "3", "1", "1", "1"]
     said = next(iter(FIGURES.methods([figures, figures])))

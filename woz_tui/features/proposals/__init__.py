@@ -4,7 +4,7 @@ from woz_tui.feature import CommandLine, Feature
 
 
 class Proposals(Feature):
-    """What programs want to do waits for the wizard. Stands behind what it looks at: scripts."""
+    """What programs want to do waits for the wizard. Stands behind what it looks at."""
 
     name = "proposals"
     kinds = "kinds:KINDS"

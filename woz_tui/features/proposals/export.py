@@ -20,6 +20,7 @@ EXPORT = FeatureExport(
             "suggest.asked",
             "suggest.shown",
             "suggest.trial",
+            "suggest.rehearsed",
         )
     },
     settings=("suggest.settings", "suggest.model"),
@@ -32,6 +33,7 @@ EXPORT = FeatureExport(
         "suggest.gone": ("set", "how"),
         "suggest.shown": ("set", "items", "console"),
         "suggest.trial": ("trial", "offered"),
+        "suggest.rehearsed": ("cue", "items"),
     },
     ids=("set",),
     of_session=("suggest.settings", "suggest.model"),

@@ -13,13 +13,15 @@ from woz_tui.analysis.feature_figures import FeatureFigures, Instant
 from woz_tui.analysis.text_format import counted, listed
 from woz_tui.features.proposals.clean_text import is_question
 from woz_tui.features.proposals.history import SuggestionEpisode
-from woz_tui.features.proposals.kinds import SuggestTrial
+from woz_tui.features.proposals.kinds import SuggestRehearsed, SuggestTrial
 from woz_tui.features.proposals.model_figures import (
     ModelFigures,
     about_models,
     models_of,
 )
 from woz_tui.features.proposals.rights import HANDS
+from woz_tui.features.training.history import CueEpisode
+from woz_tui.features.training.kinds import RIGHT, VOID
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import SPEAKING_VERBS
 from woz_tui.timeline.episodes import ActionEpisode, CommandEpisode, Episode
@@ -80,6 +82,19 @@ class SaidSentence:
 
 
 @dataclass(frozen=True, slots=True)
+class RehearsedCue:
+    """A cue of a training. `kind`: right, wrong or none, as was proposed with it. `followed`: an
+    action of the list was played by its own key while it stood there; `right`: the answer was.
+    """
+
+    kind: str
+    offered: bool
+    followed: bool
+    right: bool
+    reaction_us: int | None
+
+
+@dataclass(frozen=True, slots=True)
 class ProposalFigures:
     """The sets of a session, its sentences, the models that were asked, and whether something was
     offered in each trial, where chance decided that: by participant and trial.
@@ -89,6 +104,7 @@ class ProposalFigures:
     said: tuple[SaidSentence, ...] = ()
     models: tuple[ModelFigures, ...] = ()
     drawn: Mapping[tuple[str, int], bool] = field(default_factory=dict)
+    rehearsed: tuple[RehearsedCue, ...] = ()
 
     @property
     def origins(self) -> Mapping[str, int]:
@@ -111,7 +127,10 @@ class CountedProposals(FeatureFigures):
             (context.participant, line.trial): line.offered
             for context, line in moments(timeline, SuggestTrial)
         }
-        return ProposalFigures(sets, said, models, drawn) if sets or asked or drawn else None
+        cues = tuple(_rehearsed(timeline))
+        if not (sets or asked or drawn or cues):
+            return None
+        return ProposalFigures(sets, said, models, drawn, cues)
 
     def values(self, name: str, figures: ProposalFigures | None) -> Mapping[str, Any]:
         if figures is None:
@@ -175,6 +194,24 @@ def _rows(timeline: Timeline) -> Iterator[SetRow]:
             marked=any(item.marks for item in offered.items),
             distance=None if taken is None else _distance(each),
             was_right=following in actions if actions and following is not None else None,
+        )
+
+
+def _rehearsed(timeline: Timeline) -> Iterator[RehearsedCue]:
+    """Cues of a training that were answered or missed, with what was proposed."""
+    told = {line.cue: line for _, line in moments(timeline, SuggestRehearsed)}
+    sets = {each.offered.cue: each for each in timeline.of(SuggestionEpisode)}
+    for cue in timeline.of(CueEpisode):
+        line, answer = told.get(cue.given.cue), cue.answered
+        if line is None or answer is None or answer.judged == VOID:
+            continue
+        of = sets.get(f"training/{line.cue}")
+        yield RehearsedCue(
+            kind=("right" if line.fits else "wrong") if line.items else "none",
+            offered=of is not None,
+            followed=of is not None and of.taken is not None,
+            right=answer.judged == RIGHT,
+            reaction_us=answer.reaction_us if answer.reaction_us >= 0 else None,
         )
 
 

@@ -13,6 +13,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestModel,
     SuggestOffered,
     SuggestRanked,
+    SuggestRehearsed,
     SuggestSettings,
     SuggestShown,
     SuggestTaken,
@@ -97,7 +98,7 @@ class ProposalHistory(FeatureHistory):
         return (replace(before, end=state.t, outcome=message.how, gone=message),)
 
     def _rank(
-        self, message: SuggestRanked | SuggestAsked, state: SessionState
+        self, message: SuggestRanked | SuggestAsked | SuggestRehearsed, state: SessionState
     ) -> Iterable[Episode]:
         return moment(message, state.t)
 
@@ -109,6 +110,7 @@ class ProposalHistory(FeatureHistory):
         SuggestAsked: _rank,
         SuggestOffered: _offer,
         SuggestRanked: _rank,
+        SuggestRehearsed: _rank,
         SuggestShown: _show,
         SuggestTaken: _end,
         SuggestGone: _end,

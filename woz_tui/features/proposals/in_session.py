@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from msgspec.structs import replace
 
@@ -33,6 +33,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestModel,
     SuggestOffered,
     SuggestRanked,
+    SuggestRehearsed,
     SuggestSettings,
     SuggestShown,
     SuggestTaken,
@@ -48,6 +49,8 @@ from woz_tui.features.proposals.section import (
     Proposals,
     SuggestKeysOfFile,
 )
+from woz_tui.features.training.history import TrainingHistory
+from woz_tui.features.training.kinds import MISSED, VOID, CueAnswered, CueGiven
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -56,6 +59,9 @@ from woz_tui.protocol.envelope import Message
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.session_features import Client, Decide, FeatureSession, SessionFeature
 from woz_tui.timeline.episodes import Episode, TrialEpisode
+
+if TYPE_CHECKING:
+    from woz_tui.features.proposals.rehearsal import RehearsedActs
 
 #: In this time after a set came a key may still mean what stood there before, in microseconds.
 SETTLE_US = 300_000
@@ -109,7 +115,9 @@ class ProposalsInSession(SessionFeature):
         self._approved = ""
         #: Of what was approved and has not ended, by its run: the connection, and what it is.
         self._waiting: dict[str, tuple[str, str]] = {}
-        self._likely = LikelyActs(session, self._offer_likely)
+        self._likely = LikelyActs(session, self._offer_learnt)
+        #: Of a training.
+        self._rehearsed: RehearsedActs | None = None
         #: Whether an item is being taken: what is played then is no other act.
         self._taking = False
         self._last = LastSentences()
@@ -161,6 +169,8 @@ class ProposalsInSession(SessionFeature):
 
     def close(self) -> None:
         self._likely.close()
+        if self._rehearsed is not None:
+            self._rehearsed.cancel()
         self._end_all("end")
 
     def lose(self, console: str) -> None:
@@ -363,6 +373,11 @@ class ProposalsInSession(SessionFeature):
         self.session.hub.publish(offered)
         return found
 
+    def _offer_learnt(self, ranked: Sequence[Ranked], cue: str) -> None:
+        """Not in a training, whose lists are planned."""
+        if self.session.state.history(TrainingHistory).training is None:
+            self._offer_likely(ranked, cue)
+
     def _offer_likely(self, ranked: Sequence[Ranked], cue: str) -> None:
         """What earlier sessions make likely, in place of what they made likely before."""
         if self.session.ended or self.session.state.stop is not None or self._quiet:
@@ -544,6 +559,30 @@ class ProposalsInSession(SessionFeature):
     def _mistaken(self, message: m.Mistake) -> None:
         self._likely.forget(message.run)
 
+    def _trained(self, message: CueGiven) -> None:
+        """A cue of a training."""
+        section = self._section
+        if section is None or not section.suggest.logs:
+            return
+        # Most sessions are no training.
+        from woz_tui.features.proposals.rehearsal import RehearsedActs, rehearsed  # noqa: PLC0415
+
+        found = rehearsed(
+            message, self.session.experiment, section.suggest.wrong, self.session.identity.seed
+        )
+        told = SuggestRehearsed(cue=message.cue, items=[*found.actions], fits=found.right)
+        self.session.hub.publish(told)
+        if self._rehearsed is None:
+            self._rehearsed = RehearsedActs(self._offer_likely)
+        self._rehearsed.give(message, found, section.suggest.after)
+
+    def _judged(self, message: CueAnswered) -> None:
+        """What answered it ends the list itself, as an act."""
+        if self._rehearsed is not None:
+            self._rehearsed.cancel()
+        if message.judged in (MISSED, VOID):
+            self._end_offers("expired" if message.judged == MISSED else "moved_on")
+
     def _moved_on(self, message: Any) -> None:
         self._end_offers("moved_on")
         if isinstance(message, TrialEpisode):
@@ -573,5 +612,7 @@ class ProposalsInSession(SessionFeature):
         m.SpeechText: _heard,
         m.Mistake: _mistaken,
         PhaseChanged: _moved_on,
+        CueGiven: _trained,
+        CueAnswered: _judged,
     }
     follows: ClassVar[Mapping[type[Episode], Any]] = {TrialEpisode: _moved_on}

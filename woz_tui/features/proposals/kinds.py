@@ -31,6 +31,16 @@ class SuggestTrial(Message, frozen=True, kw_only=True, tag="suggest.trial"):
     offered: bool
 
 
+class SuggestRehearsed(Message, frozen=True, kw_only=True, tag="suggest.rehearsed"):
+    """Training: with the cue `cue` these actions (`items`; none: it goes without) are proposed,
+    unless it is answered before. `fits`: one of them answers it; else they were planted.
+    """
+
+    cue: str
+    items: list[str]
+    fits: bool = False
+
+
 class SuggestModel(Message, frozen=True, kw_only=True, tag="suggest.model"):
     """`woz suggest` asks this model from here on: the address `url`, the name that is asked for,
     the settings of the request (`sampling`), and the `prompt` before the dialogue.
@@ -206,13 +216,13 @@ class AskModelTold(Request, frozen=True, kw_only=True, tag="model-told"):
 
 
 MESSAGES = (
-    *(SuggestSettings, SuggestModel, SuggestAsked, SuggestTrial),
+    *(SuggestSettings, SuggestModel, SuggestAsked, SuggestTrial, SuggestRehearsed),
     *(SuggestOffered, SuggestRanked, SuggestTaken, SuggestGone, SuggestShown),
 )
 KINDS = FeatureKinds(
     messages=MESSAGES,
     requests=(AskTake, AskDismiss, AskPropose, AskModelTold, AskShown),
     open=(SuggestSettings, SuggestModel, SuggestGone, SuggestShown, SuggestTrial),
-    unlisted=(SuggestRanked, SuggestAsked, SuggestShown),
+    unlisted=(SuggestRanked, SuggestAsked, SuggestShown, SuggestRehearsed),
     ended=(EndedKind(SuggestOffered, (SuggestTaken, SuggestGone), "set"),),
 )

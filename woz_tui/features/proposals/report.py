@@ -10,11 +10,12 @@ from woz_tui.analysis.feature_report import FeatureReport
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.tables import SESSIONS, SETTINGS, Column, TableDefinition
-from woz_tui.analysis.text_format import digits, percent
+from woz_tui.analysis.text_format import NONE, digits, percent
 from woz_tui.features.proposals.figures import (
     NOT_SEEN,
     TAKEN,
     ProposalFigures,
+    RehearsedCue,
     SaidSentence,
     SetRow,
 )
@@ -100,6 +101,7 @@ class ProposalReport(FeatureReport):
         yield _course(figures.sets)
         yield _origins(figures.said)
         yield model_table(figures.models)
+        yield _rehearsed_table(figures.rehearsed)
 
 
 SET_HEADS = (
@@ -162,6 +164,31 @@ def _origins(said: Sequence[SaidSentence]) -> ReportTable:
     ]
     heads = ("From", "Sentences", "Share", "Words, mean", "Questions")
     return ReportTable("Where sentences came from", heads, rows, words=1)
+
+
+def _rehearsed_table(cues: Sequence[RehearsedCue]) -> ReportTable:
+    """Whether wrong lists were followed, and right ones rejected. A cue counts by what was planned
+    with it, also where it was answered before the list came.
+    """
+    rows = []
+    for kind in ("right", "wrong", "none"):
+        those = [each for each in cues if each.kind == kind]
+        if those:
+            reactions = [each.reaction_us for each in those if each.reaction_us is not None]
+            right = sum(each.right for each in those)
+            listed_ = (
+                str(sum(each.offered for each in those)),
+                str(sum(each.followed for each in those)),
+                str(sum(each.offered and not each.followed for each in those)),
+            )
+            rows.append(
+                (
+                    *(kind, str(len(those)), *(listed_ if kind != "none" else (NONE,) * 3)),
+                    *(f"{right} ({percent(right / len(those))})", in_s(median_of(reactions))),
+                )
+            )
+    heads = ("Proposed", "Cues", "In time", "Followed", "Not followed", "Answered rightly")
+    return ReportTable("Proposals in the training", (*heads, "Reaction"), rows, words=1)
 
 
 REPORT = ProposalReport()

@@ -70,6 +70,11 @@ class SuggestKeysOfFile:
             " compared"
         ),
     ] = ALL
+    wrong: Annotated[
+        float,
+        Range(0, 1),
+        Doc("in `woz train`: the share of lists of likely actions that are wrong on purpose"),
+    ] = 0.2
     after: Annotated[
         float, Seconds(0, 10), Doc("nothing is proposed sooner after the visitor has spoken")
     ] = 1.0

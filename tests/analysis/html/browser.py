@@ -126,15 +126,18 @@ class Page:
 
 
 @contextmanager
-def browser(profile: Path, *reached: str) -> Iterator[Page]:
+def browser(profile: Path, *reached: str, trusts: str = "") -> Iterator[Page]:
     """A browser of its own; `profile` is an empty folder for its state, `reached` are the only
-    computers that it can reach.
+    computers that it can reach. `trusts`: what an authority signed with this key (base64 of its
+    SHA-256) is right, as if it were installed.
     """
     options = ChromeOptions()
     options.binary_location = shutil.which("chromium") or ""
     nowhere = ", ".join((NOWHERE, *(f"EXCLUDE {host}" for host in reached)))
     for flag in (*FLAGS, nowhere, f"--user-data-dir={profile}"):
         options.add_argument(flag)
+    if trusts:
+        options.add_argument(f"--ignore-certificate-errors-spki-list={trusts}")
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     # With both paths given selenium looks for nothing, and fetches nothing.
     driver = Chrome(options=options, service=Service(shutil.which("chromedriver")))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import ssl
 from collections.abc import AsyncIterator, Callable, Collection
 from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any, Self
@@ -82,10 +83,12 @@ class WebBrowser:
 class PageRig:
     """A server of pages, and whoever opens them."""
 
-    def __init__(self, server: PageServer, host: str, port: int, stack: AsyncExitStack) -> None:
+    def __init__(
+        self, server: PageServer, host: str, port: int, stack: AsyncExitStack, scheme: str = "http"
+    ) -> None:
         self.server = server
         self.port = port
-        self.here = f"http://{host}:{port}"
+        self.here = f"{scheme}://{host}:{port}"
         self._stack = stack
 
     async def stranger(self, here: str = "") -> WebBrowser:
@@ -113,6 +116,7 @@ async def pages(
     debrief: bool = False,
     roles: Collection[PageRole] = tuple(PageRole),
     begins: str = "",
+    tls: ssl.SSLContext | None = None,
 ) -> AsyncIterator[PageRig]:
     """Pages of this session until the block ends."""
     tell = (told if told is not None else []).append
@@ -120,6 +124,6 @@ async def pages(
         session.path, names, tell, clock=clock, debrief=debrief, roles=roles, begins=begins
     )
     async with AsyncExitStack() as stack:
-        host, port = await server.start(ListenAddress("127.0.0.1", 0))
+        host, port = await server.start(ListenAddress("127.0.0.1", 0), tls)
         stack.push_async_callback(server.close)
-        yield PageRig(server, host, port, stack)
+        yield PageRig(server, host, port, stack, "http" if tls is None else "https")

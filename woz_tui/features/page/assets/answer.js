@@ -17,6 +17,20 @@ const kept = {
   drop: (name) => { try { sessionStorage.removeItem(name); } catch { /* not allowed here */ } },
 };
 
+// Goes to the page that is right now, once the network is there: else the browser's own page of
+// errors would stand here, which looks for nothing.
+async function goOn(leave) {
+  try {
+    await fetch("/page.css", { method: "HEAD", cache: "no-store" });
+  } catch {
+    setTimeout(goOn, AGAIN_MS, leave);
+    return;
+  }
+  leave();
+}
+const anew = () => location.reload();
+const onward = () => location.replace("/answer");
+
 function place() {
   const item = form && form.elements.namedItem("item");
   return item ? `${sheet.dataset.round} ${item.value}` : "";
@@ -48,11 +62,11 @@ async function send(fields) {
     const answer = await fetch(form.action, { method: "POST", body: fields, redirect: "manual" });
     if (answer.type === "opaqueredirect") {
       kept.drop(place());
-      location.replace("/answer");
+      goOn(onward);
       return;
     }
     if (answer.status !== 503) {
-      location.reload();
+      goOn(anew);
       return;
     }
   } catch { /* the line is away */ }
@@ -84,17 +98,17 @@ const source = new EventSource("/answer/news");
 source.onerror = () => {
   // Not let in any more, such as after a new code: the page says it. A form that is being sent stays.
   if (source.readyState === EventSource.CLOSED && !(form && form.dataset.sent)) {
-    setTimeout(() => location.reload(), AGAIN_MS);
+    setTimeout(goOn, AGAIN_MS, anew);
   }
 };
 source.onmessage = (message) => {
   const news = JSON.parse(message.data);
   // A form stays while the session is away: it is sent when the session is back.
   const stays = news.round === "lost" && form;
-  if (news.round && news.round !== sheet.dataset.round && !stays) location.replace("/answer");
+  if (news.round && news.round !== sheet.dataset.round && !stays) goOn(onward);
   // Answered on another tablet. Who changes an answer of before stays there.
   const elsewhere = "open" in news && news.open !== sheet.dataset.open;
-  if (elsewhere && place() && !form.dataset.sent && !location.search) location.replace("/answer");
+  if (elsewhere && place() && !form.dataset.sent && !location.search) goOn(onward);
   if ("notice" in news) {
     const notice = document.getElementById("notice");
     notice.textContent = news.notice;

@@ -35,7 +35,7 @@ from woz_tui.drivers.robot_verbs import known_by
 _LOOK_S = 1.0
 
 #: Verbs of whose end the robot tells; faces and lights only go out to it.
-_TOLD = ("say", "sound", "voice", "gaze", "nudge", "follow", "listen", "picture", "talk")
+_TOLD = ("say", "sound", "utter", "voice", "gaze", "nudge", "follow", "listen", "picture", "talk")
 
 
 class Furhat(RobotOfParts[FurhatLink, FurhatSettings]):

@@ -27,6 +27,7 @@ from woz_drivers.furhat.settings import SETTINGS, FurhatSettings, FurhatTalkSett
 from woz_drivers.sound import live_talk, pcm_audio, wav
 from woz_drivers.sound.live_talk import LiveTalk, SentVoice, VoiceTally
 from woz_drivers.speech.synthesis import read_wav
+from woz_drivers.speech.uttering import forecast, told, uttered
 from woz_tui.drivers.argument_values import file, number, text
 from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import (
@@ -45,6 +46,7 @@ from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_parts import Pending, RefusalAllowed
 from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.drivers.sound_feeds import WIDTH
+from woz_tui.motion.emotions import FEELINGS
 from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
 
@@ -115,6 +117,7 @@ class FurhatSpeech(FurhatPart):
                     Argument("lipsync", "flag", "move the lips to it", default=False),
                     lane=LANE,
                 ),
+                common_verb("utter", choices=FEELINGS, lane=LANE),
                 Verb(
                     "voice",
                     "take another voice",
@@ -132,7 +135,7 @@ class FurhatSpeech(FurhatPart):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Ends when the robot says that it has ended."""
-        if job.verb in ("say", "sound") and self._live is not None:
+        if job.verb in ("say", "sound", "utter") and self._live is not None:
             raise RejectedError("somebody talks through it live", "`end_talk` first")
         if self._talk is not None and job.verb in live_talk.NAMES:
             return await self._talk.perform(job)
@@ -141,6 +144,8 @@ class FurhatSpeech(FurhatPart):
                 return await self._say(job)
             case "sound":
                 return await self._sound(job)
+            case "utter":
+                return await self._utter(job)
             case "voice":
                 wish = _wish(*(text(job.args, name) for name in ("name", "language", "gender")))
                 if not wish:
@@ -237,6 +242,8 @@ class FurhatSpeech(FurhatPart):
         """Speech about so long: the robot tells of each word only when it comes."""
         if verb == "say":
             return Forecast(_usual_s(text(args, "text")))
+        if verb == "utter":
+            return forecast(args)
         wanted = file(args, "file", self._context.folder) if verb == "sound" else "://"
         if "://" in wanted:
             return Forecast()
@@ -330,7 +337,17 @@ class FurhatSpeech(FurhatPart):
             await self._until_over(job, exchange, 0.0, 0)
             return {"file": wanted}
         volume = min(max(number(job.args, "volume", 1.0), 0.0), 1.0)
-        sound = await asyncio.to_thread(_read, wanted, volume)
+        await self._play(job, await asyncio.to_thread(_read, wanted, volume), lipsync)
+        return {"file": str(job.args["file"]), "volume": volume}
+
+    async def _utter(self, job: Job) -> dict[str, Json]:
+        """A sound of a mood, made here; the lips move to it."""
+        sound = await uttered(job.args, self._context.folder)
+        await self._play(job, sound, True)
+        return told(job.args, sound)
+
+    async def _play(self, job: Job, sound: wav.Wav, lipsync: bool) -> None:
+        """A sound of 16-bit samples of one channel."""
         job.expects(sound.seconds)
         exchange = await self._begin(
             "request.speak.audio.start", sample_rate=sound.rate, lipsync=lipsync
@@ -341,7 +358,6 @@ class FurhatSpeech(FurhatPart):
             await self._until_over(job, exchange, sound.seconds, 0)
         finally:
             self._sending.cancel()
-        return {"file": str(job.args["file"]), "volume": volume}
 
     async def begin_live(self, rate: int, lipsync: bool) -> Exchange[SpeakEnded]:
         """Begin a sound of which nobody knows how long it lasts. Raises `DeviceLostError`."""

@@ -14,9 +14,11 @@ from woz_drivers.naoqi_robot.autonomy import AutonomyPart
 from woz_drivers.naoqi_robot.base import BasePart
 from woz_drivers.naoqi_robot.body import BodyPart
 from woz_drivers.naoqi_robot.connection import RobotConnection
+from woz_drivers.naoqi_robot.eyes import EyesPart
 from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.naoqi_robot.settings_reading import SettingsReader
+from woz_drivers.naoqi_robot.sounds import SoundsPart
 from woz_drivers.programs.simulated_process import SIMULATED
 from woz_tui.drivers import confirmed_stop
 from woz_tui.drivers.argument_values import text
@@ -85,6 +87,11 @@ class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
         link = RobotConnection(settings, context, on_connected=self._connected, on_lost=self._lost)
         parts = tuple(kind(link, settings, context) for kind in self.PARTS)
         super().__init__(name, settings, context, link, parts)
+        for sounds in parts:
+            if isinstance(sounds, SoundsPart):
+                for eyes in parts:
+                    if isinstance(eyes, EyesPart):
+                        sounds.light_up(eyes)
         self._reading = SettingsReader(link, parts, settings, context)
         #: Whether it was there and went without being asked to: nobody knows what it does now.
         self._lost_unasked = False

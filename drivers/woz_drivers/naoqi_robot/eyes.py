@@ -9,7 +9,8 @@ before is set at once, and again when the second is over.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+import contextlib
+from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,6 +47,8 @@ FADE_S = 0.6
 #: One turn of the rotating light, and how long a colour takes that comes by itself: the file's on
 #: connect, and that of before after an animation. As in WoZ4U's program.
 TURN_S, COMES_S = 1.0, 0.5
+#: With a voice that is made here they are so often another brightness, and never dimmer.
+GLOW_S, DIMMEST = 0.1, 0.2
 #: An animation is asked for in pieces so long: one turn of the rotating light.
 SLICE_S = TURN_S
 LONGEST = Range(0, 3600, "s")
@@ -281,6 +284,32 @@ class EyesPart(NaoqiPart):
             self._loop = None
             what = "blinking" if animation == "blink" else "coming and going"
             self._context.notice("warning", f"the eyes stopped {what}: {error.what}")
+
+    @contextlib.asynccontextmanager
+    async def glowing(self, levels: Sequence[float]) -> AsyncIterator[None]:
+        """Be as bright as a sound is loud, each `GLOW_S`, while it plays; then as before. Eyes that
+        do something by themselves go on with that.
+        """
+        if self._loop is not None or self._animated:
+            yield
+            return
+        before = await self._before()
+        loop = self._loop = asyncio.get_running_loop().create_task(
+            self._glow(before, levels), name="robot eyes"
+        )
+        try:
+            yield
+        finally:
+            # Ended by another colour, or by the stop: then that is shown.
+            if self._loop is loop:
+                self._clean_up.start(self._steady(before, 0.0))
+
+    async def _glow(self, shown: EyeColor, levels: Sequence[float]) -> None:
+        try:
+            for level in levels:
+                await self._fade(shown.dimmed(DIMMEST + (1 - DIMMEST) * level), GLOW_S)
+        except DriverError:
+            return  # it is heard all the same
 
     def _end_loop(self) -> None:
         if self._loop is not None:

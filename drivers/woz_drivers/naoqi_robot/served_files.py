@@ -12,6 +12,7 @@ import contextlib
 import errno
 import io
 import ipaddress
+import itertools
 import logging
 import os
 import re
@@ -19,7 +20,7 @@ import secrets
 import socket
 import stat
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
 from pathlib import Path
@@ -70,6 +71,7 @@ class FileServer:
         self._troubled = troubled
         self._patience = patience
         self._token = secrets.token_urlsafe(16)
+        self._numbers = itertools.count()
         self._listed: dict[str, ListedFile] = {}
         self._known: dict[ListedFile, str] = {}
         self._told_full = False
@@ -104,6 +106,17 @@ class FileServer:
         """The address of a page that was made here."""
         return self._list(ListedFile(".html", content=html.encode()))
 
+    def list_sound(self, wav: bytes) -> str:
+        """The address of a sound that was made here, until it is withdrawn."""
+        return self._list(ListedFile(".wav", content=wav))
+
+    def withdraw(self, address: str) -> None:
+        """What is listed there is not served any more."""
+        place = f"/{address.partition('://')[2].partition('/')[2]}"
+        listed = self._listed.pop(place, None)
+        if listed is not None:
+            del self._known[listed]
+
     def close(self) -> None:
         """End it with all connections. Waits for its thread a second at most."""
         with contextlib.suppress(RuntimeError):  # it has ended
@@ -113,7 +126,7 @@ class FileServer:
     def _list(self, listed: ListedFile) -> str:
         place = self._known.get(listed)
         if place is None:
-            place = f"/{self._token}/{len(self._known)}{listed.suffix}"
+            place = f"/{self._token}/{next(self._numbers)}{listed.suffix}"
             self._known[listed] = place
             self._listed[place] = listed
         host = f"[{self.host}]" if ":" in self.host else self.host
@@ -397,6 +410,16 @@ class ServedFiles:
     async def page(self, html: str) -> str:
         """Where the tablet fetches a page from. Raises `DriverError`."""
         return self._serving().list_page(html)
+
+    @contextlib.contextmanager
+    def sound(self, wav: bytes) -> Iterator[str]:
+        """Where the robot fetches a sound that was made here, meanwhile. Raises `DriverError`."""
+        server = self._serving()
+        address = server.list_sound(wav)
+        try:
+            yield address
+        finally:
+            server.withdraw(address)
 
     async def close(self) -> None:
         """Serve nothing more."""

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from woz_drivers.naoqi_robot.eyes import GLOW_S, EyesPart
 from woz_drivers.naoqi_robot.memory import within
 from woz_drivers.naoqi_robot.parts import (
     LONG_S,
@@ -21,6 +22,8 @@ from woz_drivers.naoqi_robot.parts import (
 )
 from woz_drivers.naoqi_robot.served_files import is_address
 from woz_drivers.naoqi_robot.settings import NaoqiSettings
+from woz_drivers.sound.emotion_sound import voiced_level
+from woz_drivers.speech.uttering import forecast, told, uttered
 from woz_tui.drivers.argument_values import number, sound_seconds, text
 from woz_tui.drivers.contract import (
     Argument,
@@ -36,6 +39,7 @@ from woz_tui.drivers.contract import (
 from woz_tui.drivers.fields import Range
 from woz_tui.drivers.robot_parts import Pending
 from woz_tui.drivers.robot_verbs import common_verb
+from woz_tui.motion.emotions import FEELINGS
 from woz_tui.protocol.messages import Json
 
 PLAYER = "ALAudioPlayer"
@@ -67,23 +71,35 @@ class SoundsPart(NaoqiPart):
         self._folder = context.folder
         self._ids: dict[str, int] = {}
         self._playing = ""
+        self._eyes: EyesPart | None = None
+
+    def light_up(self, eyes: EyesPart) -> None:
+        """Have these eyes show how loud a sound is that was made here."""
+        self._eyes = eyes
 
     @classmethod
     def offer(cls, settings: NaoqiSettings) -> Offer:
         """`sound`."""
         loud = Argument("volume", "number", "0 mute, 1 full", False, 1.0, Range(0, 1))
         return Offer(
-            verbs=(common_verb("sound", "", Argument("file", "text", _FILE, required=True), loud),)
+            verbs=(
+                common_verb("sound", "", Argument("file", "text", _FILE, required=True), loud),
+                common_verb("utter", choices=FEELINGS, lane="sound"),
+            )
         )
 
     async def predict(self, verb: str, args: Mapping[str, Any]) -> Forecast:
-        """Of a file of this machine."""
+        """Of a file of this machine, and of what is made here."""
+        if verb == "utter":
+            return forecast(args)
         local = local_file(text(args, "file"), self._folder)
         seconds = None if local is None else sound_seconds(str(local))
         return Forecast() if seconds is None else Forecast(seconds, ())
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Play it; ends when the sound has ended."""
+        if job.verb == "utter":
+            return await self._utter(job)
         path = text(job.args, "file")
         volume = min(max(number(job.args, "volume", 1.0), 0.0), 1.0)
         await self._cleaned_up()
@@ -148,6 +164,22 @@ class SoundsPart(NaoqiPart):
             address = await self._link.files.address(local)
             if (seconds := sound_seconds(str(local))) is not None:
                 job.expects(seconds)
+        await self._fetched(path, address, volume)
+
+    async def _utter(self, job: Job) -> dict[str, Json]:
+        """A sound of a mood, made here and fetched by the robot; the eyes are as bright as it is
+        loud.
+        """
+        sound = await uttered(job.args, self._folder)
+        await self._cleaned_up()
+        levels = await asyncio.to_thread(voiced_level, sound, GLOW_S)
+        with self._link.files.sound(await asyncio.to_thread(sound.to_bytes)) as address:
+            job.expects(sound.seconds)
+            async with self._eyes.glowing(levels) if self._eyes else contextlib.nullcontext():
+                await self._fetched("utter", address, 1.0)
+        return told(job.args, sound)
+
+    async def _fetched(self, path: str, address: str, volume: float) -> None:
         try:
             await self._until_over(path, "playWebStream", address, volume, 0.0)
         except DeviceLostError:

@@ -25,6 +25,7 @@ from woz_drivers.sound.live_talk import LiveTalk, program_loudspeaker
 from woz_drivers.sound.wav import Wav
 from woz_drivers.speech.settings import VOICE_ARGUMENTS, VoiceChoice
 from woz_drivers.speech.synthesis import SpeechSynthesis, read_wav, spoken_text
+from woz_drivers.speech.uttering import forecast, told, uttered
 from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import (
     DeviceLostError,
@@ -38,6 +39,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.robot_parts import Pending, RefusalAllowed
 from woz_tui.drivers.robot_verbs import common_verb
+from woz_tui.motion.emotions import FEELINGS
 from woz_tui.motion.safety import finite_number
 from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
@@ -96,6 +98,7 @@ class ReachySounds(ReachyPart):
                     markup=("pause",),
                 ),
                 common_verb("sound", "play a WAV file on the robot", lane=_VOICE),
+                common_verb("utter", choices=FEELINGS, lane=_VOICE),
                 SETTINGS["volume"].changed_by(),
                 *talk.verbs,
             ),
@@ -119,6 +122,8 @@ class ReachySounds(ReachyPart):
                 text = spoken_text(str(args["text"]))
                 made = await self._synthesis.utterance(text, self._choice(args))
                 return Forecast(made.sound.seconds)
+            case "utter":
+                return forecast(args)
             case "sound":
                 file = self._context.folder / str(args["file"])
                 return Forecast((await asyncio.to_thread(read_wav, file)).seconds)
@@ -133,6 +138,8 @@ class ReachySounds(ReachyPart):
                 return await self._say(job)
             case "sound":
                 return await self._sound(job)
+            case "utter":
+                return await self._utter(job)
             case "volume":
                 self._level = await self._set_volume(job.args["level"])
                 return {"level": self._level}
@@ -181,6 +188,11 @@ class ReachySounds(ReachyPart):
         file = str(job.args["file"])
         wav = await asyncio.to_thread(read_wav, self._context.folder / Path(file))
         return {"file": file} | await self._play(job, wav)
+
+    async def _utter(self, job: Job) -> Mapping[str, Json]:
+        """A sound of a mood, made here."""
+        sound = await uttered(job.args, self._context.folder)
+        return told(job.args, sound) | await self._play(job, sound)
 
     def _choice(self, args: Mapping[str, Any]) -> VoiceChoice:
         return self._voice.choice().changed(args)

@@ -13,11 +13,9 @@ from typing import Any
 from woz_drivers.programs import child_process, command_lines
 from woz_drivers.programs.child_process import Child
 from woz_drivers.sound import emotion_sound, live_talk
-from woz_drivers.sound.emotion_sound import mood
 from woz_drivers.sound.live_talk import LiveTalk, program_loudspeaker
 from woz_drivers.sound.wav import Wav
 from woz_drivers.speech import doctor
-from woz_drivers.speech.gibberish import gibberish
 from woz_drivers.speech.settings import VOICE_ARGUMENTS, SpeechSettings, voice_remarks
 from woz_drivers.speech.synthesis import (
     LONGEST_SPEECH_S,
@@ -27,6 +25,7 @@ from woz_drivers.speech.synthesis import (
     read_wav,
     spoken_text,
 )
+from woz_drivers.speech.uttering import forecast, told, uttered
 from woz_drivers.speech.voice_list import voices
 from woz_tui.drivers.contract import (
     Argument,
@@ -48,7 +47,7 @@ from woz_tui.drivers.contract import (
     Written,
 )
 from woz_tui.drivers.fields import Range
-from woz_tui.drivers.robot_verbs import GIBBERISH, NOTES, common_verb
+from woz_tui.drivers.robot_verbs import common_verb
 from woz_tui.motion.body_feeds import VOICE, VoiceLevels
 from woz_tui.motion.emotions import FEELINGS
 from woz_tui.protocol import markup
@@ -232,8 +231,7 @@ class Speech(Driver):
             content = await asyncio.to_thread(read_wav, self.context.folder / str(args["file"]))
             return Forecast(content.seconds, ())
         if verb == "utter":
-            known = args.get("voice") == NOTES
-            return Forecast(args["seconds"], ()) if known else Forecast()
+            return forecast(args)
         if verb != "say" or self.settings.speak:
             return Forecast() if verb == "say" else Forecast(0.0, ())
         choice = self._voice.choice(args)
@@ -392,22 +390,10 @@ class Speech(Driver):
 
     async def _utter(self, job: Job) -> Mapping[str, Json]:
         """A sound that goes with a mood: notes, or syllables without a meaning."""
-        args = job.args
-        valence, arousal = mood(args)
-        seconds, seed = args["seconds"], args.get("seed", 0)
-        if args["voice"] == GIBBERISH:
-            felt = emotion_sound.cues(valence, arousal)
-            sound = await gibberish(felt, seconds, seed, folder=self.context.folder)
-        else:
-            made = functools.partial(emotion_sound.emotion_sound, register=self.settings.register)
-            sound = await asyncio.to_thread(made, valence, arousal, seconds, seed)
+        sound = await uttered(job.args, self.context.folder, self.settings.register)
         with self._moving_mouth(sound):
             await self._play(job, None, sound, self._volume)
-        return {
-            **{name: args[name] for name in ("emotion", "voice") if args.get(name)},
-            **{"valence": valence, "arousal": arousal, "seed": seed},
-            **{"seconds": round(sound.seconds, 3), "volume": self._volume},
-        }
+        return {**told(job.args, sound), "volume": self._volume}
 
     @contextlib.contextmanager
     def _moving_mouth(self, sound: Wav) -> Iterator[None]:

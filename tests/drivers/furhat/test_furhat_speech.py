@@ -18,6 +18,7 @@ from robot_simulators.furhat import CHARACTERS_PER_S, VOICES
 from woz_drivers.furhat import Furhat, FurhatSettings, speech
 from woz_drivers.furhat.settings import FurhatTalkSettings, FurhatVoiceSettings
 from woz_drivers.sound import live_talk
+from woz_drivers.sound.emotion_sound import emotion_sound
 
 from tests.drivers.furhat.furhat_rig import FurhatRig, brisk, connected_furhat
 from woz_tui.drivers.contract import DeviceLostError, DriverError, RejectedError, Scope
@@ -155,6 +156,27 @@ async def test_a_file_of_this_machine_is_sent_as_it_is_played(
     assert samples == pytest.approx(1.5 * 8000, abs=2 * len(pieces))  # base64 is padded
     assert len(rig.robot.requests("request.speak.audio.end")) == 1
     assert rig.jobs[-1].expected[0] == pytest.approx(1.5)
+
+
+async def test_a_sound_of_a_mood_is_sent_as_it_is_made_and_the_lips_move(rig: FurhatRig) -> None:
+    """Twice the same by the same seed, as a re-run has it."""
+    args = {"emotion": "sad", "valence": -0.87, "arousal": -0.5, "seed": 3, "seconds": 0.6}
+    heard = []
+    for _ in range(2):
+        before = len(rig.robot.requests("request.speak.audio.data"))
+        assert await rig.do("utter", **args) == {**args, "voice": "notes"}
+        pieces = rig.robot.requests("request.speak.audio.data")[before:]
+        heard.append(b"".join(base64.b64decode(piece["audio"]) for piece in pieces))
+    assert heard[0] == heard[1] == emotion_sound(-0.87, -0.5, 0.6, 3).data
+    starts = rig.robot.requests("request.speak.audio.start")
+    assert {(one["sample_rate"], one["lipsync"]) for one in starts} == {(16_000, True)}
+
+
+async def test_a_sound_of_a_mood_ends_with_its_command(rig: FurhatRig) -> None:
+    playing = rig.begin("utter", emotion="happy", seconds=10, seed=1)
+    await until(lambda: bool(rig.robot.speaking))
+    playing.cancel()
+    await until(lambda: not rig.robot.speaking)
 
 
 async def test_a_cancelled_sound_ends_on_the_robot(rig: FurhatRig, tmp_path: Path) -> None:

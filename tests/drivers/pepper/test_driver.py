@@ -35,7 +35,17 @@ from woz_tui.protocol.robot_outline import RobotOutline
 VERBS = {
     *("say", "read", "volume", "speech_speed", "speech_pitch", "play", "posture", "pose", "home"),
     *("torque", "gaze", "nudge", "hip", "drive", "eyes", "eyes_animation", "eyes_brightness"),
-    *("sound", "screen", "tablet", "autonomy", "collision", "picture", "record_sound", "listen"),
+    *(
+        "sound",
+        "utter",
+        "screen",
+        "tablet",
+        "autonomy",
+        "collision",
+        "picture",
+        "record_sound",
+        "listen",
+    ),
     *("learn_face", "face_consent", "track", "connect", "disconnect", "naoqi"),
     "naoqi_drive",
 }

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from http import HTTPStatus
 from pathlib import Path
 
+import aiohttp
 import numpy as np
 import pytest
+from woz_drivers.sound.emotion_sound import emotion_sound
 from woz_drivers.sound.wav import Wav
 
 from tests.drivers.pepper.robot_rig import RobotRig, connected_robot
@@ -81,6 +84,36 @@ async def test_a_sound_beside_the_experiment_is_fetched_by_the_robot(robot_rig: 
     assert played == {"url": url, "type": "audio/wav", "size": here.stat().st_size}
     assert robot_rig.jobs[-1].announced == [1.5]
     assert await robot_rig.calls("ALAudioPlayer.loadFile") == []
+
+
+async def test_a_sound_of_a_mood_is_made_here_and_fetched_by_the_robot(robot_rig: RobotRig) -> None:
+    """Twice the same by the same seed, as a re-run has it; eyes as bright as it is loud."""
+    meant = emotion_sound(0.87, 0.5, 0.8, 7)
+    args = {"emotion": "happy", "valence": 0.87, "arousal": 0.5, "seed": 7, "seconds": 0.8}
+    for _ in range(2):
+        sent = await robot_rig.do("utter", **args)
+        assert sent == args
+    urls = [url for url, *_ in await robot_rig.calls("ALAudioPlayer.playWebStream")]
+    played = (await robot_rig.robot.get("sounds.streamed"))[-2:]
+    assert [one["url"] for one in played] == urls
+    assert len({*urls}) == 2
+    assert {(one["type"], one["size"]) for one in played} == {("audio/wav", len(meant.to_bytes()))}
+    assert robot_rig.jobs[-1].announced == [0.8]
+    async with aiohttp.ClientSession() as session, session.get(urls[-1]) as answer:
+        assert answer.status == HTTPStatus.NOT_FOUND  # it is heard, and served no more
+    fades = await robot_rig.calls("ALLeds.fadeRGB")
+    assert len({fade[1:4] for fade in fades}) > 2
+    assert fades[-1][1:4] == fades[-2][1:4] == (1.0, 1.0, 1.0)  # as before
+
+
+async def test_a_sound_of_a_mood_ends_with_the_stop(robot_rig: RobotRig) -> None:
+    job = robot_rig.begin("utter", emotion="sad", seconds=10, seed=1)
+    await robot_rig.robot.until(lambda: sounds(robot_rig))
+    report = await robot_rig.stop()
+    assert {"sounds", "eyes"} <= set(report.confirmed)
+    assert job.done()
+    assert not await sounds(robot_rig)
+    await robot_rig.driver.resume()
 
 
 async def test_a_sound_of_another_folder_is_fetched_and_ends_when_it_is_cut_short(

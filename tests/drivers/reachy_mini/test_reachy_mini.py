@@ -429,6 +429,21 @@ async def test_a_sound_file_is_played_on_the_robot(rig: ReachyRig) -> None:
         await rig.do("sound", file="nothing.wav")
 
 
+async def test_a_sound_of_a_mood_is_made_here_and_sent_once(rig: ReachyRig) -> None:
+    """The same command is the same file, as a re-run has it; another seed is another one."""
+    args = {"emotion": "happy", "valence": 0.87, "arousal": 0.5, "seconds": 0.6}
+    for seed in (7, 7, 8):
+        sent = await rig.do("utter", seed=seed, **args)
+        assert sent == {**args, "voice": "notes", "seed": seed, "heard": True}
+    assert len(rig.request_bodies("media/sounds/upload")) == 2
+    assert len(rig.robot.played) == 3
+    assert rig.robot.played[0] == rig.robot.played[1] != rig.robot.played[2]
+    uttering = rig.begin("utter", emotion="sad", seconds=10)
+    await until(lambda: len(rig.robot.played) == 4)
+    uttering.cancel()
+    await until(lambda: rig.robot.sound is None)
+
+
 async def test_what_will_be_said_is_sent_ahead(rig: ReachyRig) -> None:
     await rig.driver.prepare_say([{"text": "Hello."}])
     assert len(rig.request_bodies("media/sounds/upload")) == 1

@@ -95,18 +95,14 @@ def _only_one(place: str, address: str) -> Iterator[None]:
         try:
             mine.bind(name)
         except OSError as error:
-            message = f"a program here offers them to {address} already{_way_to_end(name)}"
+            message = f"a program here offers them to {address} already"
+            with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX) as other:
+                other.setblocking(False)
+                other.connect(name)
+                message += f"; `kill {session_sockets.peer_pid(other)}` ends it"
             raise ValueError(message) from error
         mine.listen()
         yield
-
-
-def _way_to_end(name: str) -> str:
-    with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX) as other:
-        other.setblocking(False)
-        other.connect(name)
-        return f"; `kill {session_sockets.peer_pid(other)}` ends it"
-    return ""
 
 
 def _offers(file: Path, place: str) -> tuple[str, list[OfferedDriver]]:

@@ -27,7 +27,7 @@ from woz_tui.replay.experiment_origin import candidate_files
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.model_time import SECOND
 
-#: What a model writes; its settings come before all else of it.
+#: What a model writes.
 _MODEL = frozenset({SETTINGS_KIND, "engagement.changed", "engagement.shown"})
 
 
@@ -60,7 +60,9 @@ def planned(
     if arguments.experiment is not None:
         return settings, SettingsOverride.always(settings, named)
     above = SettingsOverride(with_options, named)
-    if _tells_settings(log):
+    # What a model writes begins with its settings; earlier versions did not write them.
+    first = next((line.kind for line in read(log, Damage()) if line.kind in _MODEL), "")
+    if first == SETTINGS_KIND:
         return None, above
     # A log without settings is of a version that had the paper's turns alone.
     begin = replace(_searched(log, settings, of_experiment), turns=PAPER)
@@ -77,14 +79,6 @@ def _named(arguments: Namespace) -> dict[str, frozenset[str]]:
     if arguments.social_distance is not None:
         named["social_distance"] = frozenset({"metres"})
     return named
-
-
-def _tells_settings(log: Path) -> bool:
-    """Whether the log says which settings it begins with; those of earlier versions do not."""
-    for line in read(log, Damage()):
-        if line.kind in _MODEL:
-            return line.kind == SETTINGS_KIND
-    return False
 
 
 def _searched(

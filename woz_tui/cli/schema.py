@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Mapping
 from typing import Any
 
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.json_schema import experiment_schema, included_schema, robot_schema
 from woz_tui.drivers import plugins
-from woz_tui.drivers.contract import Driver
 from woz_tui.motion.move_schema import move_schema
 
 ERRORS = CommandErrors(who="woz schema")
@@ -38,19 +36,13 @@ def _schema(arguments: Namespace) -> dict[str, Any]:
         if "midi" not in catalogue:
             raise plugins.PluginError("no installed package offers the driver 'midi'")
         return included_schema(catalogue["midi"], "map")
-    usable = _loadable(catalogue)
-    return robot_schema(usable) if arguments.robot else experiment_schema(usable, _warn)
-
-
-def _loadable(catalogue: Mapping[str, type[Driver]]) -> dict[str, type[Driver]]:
-    """Drivers that can be loaded: a broken one must not take the others' schema away."""
     usable = {}
-    for name in catalogue:
+    for name in catalogue:  # a broken driver must not take the others' schema away
         try:
             usable[name] = catalogue[name]
         except plugins.PluginError as error:
             _warn(f"left out: {error}")
-    return usable
+    return robot_schema(usable) if arguments.robot else experiment_schema(usable, _warn)
 
 
 def _warn(text: str) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from woz_tui.log.withdrawals import NAME as RECORD
 from woz_tui.withdrawal.removal import WithdrawalError, planned, withdraw
-from woz_tui.withdrawal.stored_files import StoredFile, StoredFiles, StoredSession, stored_files
+from woz_tui.withdrawal.stored_files import StoredFiles, StoredSession, stored_files
 
 _README = """What is kept of the participant {code}, as of {day}
 
@@ -37,21 +37,19 @@ def copy_of(found: StoredFiles, code: str, target: Path, day: str) -> list[Store
         folder = target / session.files.stem
         while folder.exists():  # a copy of the same session in another folder of recordings
             folder = folder.with_name(f"{folder.name}-copy")
-        _copy(session, folder)
+        for path, _ in session.beside():
+            inside = path.parent.name if path.parent.suffix == ".media" else ""
+            (folder / inside).mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, folder / inside / path.name)
         for other in sorted(session.turns - {code}):
             _take_out(folder, other, day)
     if sessions:
         told = "\n".join(f"  {session.log.name}" for session in sessions)
-        text = _README.format(code=code, day=day, sessions=told, more=_more(found.others, code))
+        kept = [f"  {each.path} ({each.what})" for each in found.others if code in each.codes]
+        more = _MORE.format("\n".join(kept)) if kept else ""
+        text = _README.format(code=code, day=day, sessions=told, more=more)
         (target / "README.txt").write_text(text, encoding="utf-8")
     return sessions
-
-
-def _copy(session: StoredSession, folder: Path) -> None:
-    for path, _ in session.beside():
-        inside = path.parent.name if path.parent.suffix == ".media" else ""
-        (folder / inside).mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(path, folder / inside / path.name)
 
 
 def _take_out(folder: Path, other: str, day: str) -> None:
@@ -61,8 +59,3 @@ def _take_out(folder: Path, other: str, day: str) -> None:
     plan.forgotten.clear()
     withdraw(plan, folder, day)
     (folder / RECORD).unlink()
-
-
-def _more(others: list[StoredFile], code: str) -> str:
-    kept = [f"  {file.path} ({file.what})" for file in others if code in file.codes]
-    return _MORE.format("\n".join(kept)) if kept else ""

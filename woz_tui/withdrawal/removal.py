@@ -209,11 +209,7 @@ def withdraw(plan: Removal, home: Path, day: str, by: str = "") -> None:
         steps.deleted += [str(file.path) for file in plan.deleted if file.path not in exports]
         steps.deleted += _behind_links(plan, steps)
         steps.inode = home.stat().st_ino
-        steps.record = msgspec.structs.replace(
-            record,
-            lines=sum(summary.lines for summary in plan.summaries.values()),
-            samples=sum(summary.samples for summary in plan.summaries.values()),
-        )
+        steps.record = msgspec.structs.replace(record, lines=plan.lines, samples=plan.samples)
         logs = [session.log for session in plan.cut] + [
             each.path for each in plan.deleted if each.what == LOG
         ]

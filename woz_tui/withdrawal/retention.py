@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
+from operator import attrgetter
 from pathlib import Path
 
 from woz_tui.config.about_file import RetentionEntry, last_day
@@ -38,20 +39,17 @@ def overdue(
     sessions: Iterable[StoredSession], retention: RetentionEntry, today: date
 ) -> Iterator[Kept]:
     """All that was to be kept no longer than until before `today`, the oldest first."""
-    found = [
-        kept for session in sessions for kept in _kept(session, retention) if kept.until < today
-    ]
-    yield from sorted(found, key=lambda kept: (kept.until, kept.path))
-
-
-def _kept(session: StoredSession, retention: RetentionEntry) -> Iterator[Kept]:
-    recorded = _recorded(session.log)
-    if retention.media:
-        for path in session.media_folders():
-            yield Kept(path, MEDIA, recorded, last_day(recorded, retention.media))
-    if retention.logs:
-        for path in session.files.actions:
-            yield Kept(path, LOGS, recorded, last_day(recorded, retention.logs))
+    found: list[Kept] = []
+    for session in sessions:
+        recorded = _recorded(session.log)
+        if retention.media:
+            until = last_day(recorded, retention.media)
+            found += (Kept(path, MEDIA, recorded, until) for path in session.media_folders())
+        if retention.logs:
+            until = last_day(recorded, retention.logs)
+            found += (Kept(path, LOGS, recorded, until) for path in session.files.actions)
+    over = (kept for kept in found if kept.until < today)
+    yield from sorted(over, key=attrgetter("until", "path"))
 
 
 def _recorded(log: Path) -> date:

@@ -200,7 +200,8 @@ def stored_files(folders: Sequence[Path], codes: Iterable[str] = ()) -> StoredFi
     """
     wanted = CodeWords(codes)
     found = stored_sessions(folders, wanted)
-    words = wanted if wanted.codes else CodeWords(_all_codes(found.sessions))
+    set_in_logs = {code for session in found.sessions for code in session.turns if code}
+    words = wanted if wanted.codes else CodeWords(set_in_logs)
     _mark_reruns(found.sessions)
     claimed = set[Path]()
     for session in found.sessions:
@@ -226,10 +227,6 @@ def _mark_reruns(sessions: Iterable[StoredSession]) -> None:
     for session in sessions:
         for code in turns.get(Path(session.original).stem, ()):
             session.named.setdefault(code, {}).setdefault("rerun.started", 1)
-
-
-def _all_codes(sessions: Iterable[StoredSession]) -> set[str]:
-    return {code for session in sessions for code in session.turns if code}
 
 
 def _files_below(folder: Path, problems: list[str] | None = None) -> Iterator[Path]:

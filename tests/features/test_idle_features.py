@@ -15,6 +15,7 @@ import pytest
 import woz_tui
 from tests.session.rig import HERE, SessionRig, experiment, with_script
 from woz_tui.config.experiment import Action, Experiment
+from woz_tui.features.choices.section import CHOICES, Choice, Option
 from woz_tui.features.delay.section import SHAPING, ResponseShaping
 from woz_tui.features.people.section import PEOPLE, ParticipantFields
 from woz_tui.features.phases.section import PHASES, Phase
@@ -45,8 +46,10 @@ def repaired(made: Experiment) -> Experiment:
     return replace(made, beside_panels=(Action(REPEAT, REPEAT, "", PANEL, (), HERE),))
 
 
+COLOUR = Choice("colour", (Option("red"), Option("blue")), "Which one?")
 #: By feature: what of the file gives it something to do.
 GIVES: dict[str, Callable[[Experiment], Experiment]] = {
+    "choices": section(CHOICES, (COLOUR,)),
     "delay": section(SHAPING, ResponseShaping(0.8, 0.4)),
     "people": section(PEOPLE, ParticipantFields({"first": ()})),
     "phases": section(PHASES, (Phase("Open"),)),

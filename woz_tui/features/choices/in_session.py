@@ -45,6 +45,9 @@ class ChoicesInSession(PerformingFeature):
         #: What the words of the last command tell.
         self._tells: tuple[str, ...] = ()
 
+    def idle(self) -> bool:
+        return not CHOICES.of(self.session.experiment) and self._offered is None
+
     @property
     def _offered(self) -> ChoiceOffered | None:
         return self.session.state.history(ChoiceHistory).offered

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -64,6 +65,35 @@ def test_where_it_was_not_drawn_nothing_is_offered(tmp_path: Path) -> None:
     drawn = [(line.trial, line.offered) for line in rig.of(SuggestTrial)]
     assert drawn == [(trial, is_offered(trial, "P01", 3)) for trial in range(1, 5)]
     assert len(rig.of(SuggestOffered)) == len(rig.of(SuggestGone)) == 2
+
+
+def test_a_quiet_trial_ends_also_where_the_file_wants_no_proposals_meanwhile(
+    tmp_path: Path,
+) -> None:
+    quiet = next(trial for trial in (1, 2) if not is_offered(trial, "P01", 3))
+
+    async def scenario(rig: SessionRig) -> None:
+        proposals = rig.session.features.of(ProposalsInSession)
+        program, asked = Client("con1", "program", "greeter"), AskPropose(texts=["Hello"])
+        trial_control(rig.session).assign("P01", ["warm", "cold"])
+        for _ in range(1, quiet):
+            trial_control(rig.session).trial("begin", "")
+            trial_control(rig.session).trial("done", "")
+        trial_control(rig.session).trial("begin", "")
+        made = rig.session.experiment
+        rig.session.adopt(replace(made, sections={**made.sections, PROPOSALS: None}), [])
+        trial_control(rig.session).trial("done", "")
+        rig.session.adopt(made, [])
+        proposals.carry_out(asked, program)
+
+    rig = on_stage(
+        tmp_path,
+        scenario,
+        identity=SessionIdentity(participant="P01", seed=3),
+        sections={PROPOSALS: Proposals(SuggestKeysOfFile(trials=HALF))},
+        design=Design(trials=2),
+    )
+    assert len(rig.of(SuggestOffered)) == 1
 
 
 def session(participant: str, offered_s: float, without_s: float) -> ExampleSession:

@@ -128,7 +128,7 @@ class ProposalsInSession(SessionFeature):
         self._pressed: dict[str, tuple[m.ActionRequested, bool]] = {}
 
     def idle(self) -> bool:
-        return self._section is None and not (self._open or self._waiting)
+        return self._section is None and not (self._open or self._waiting or self._quiet)
 
     def begin(self) -> None:
         if self._section is not None:

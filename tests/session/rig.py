@@ -146,10 +146,15 @@ def experiment(tmp_path: Path, drivers: tuple[str, ...] = ("robot",)) -> Experim
     return with_script(made, "Hello", "Welcome")
 
 
+def with_section(made: Experiment, section: FeatureSection[Any], value: object) -> Experiment:
+    """The same where a feature's keys say this."""
+    return replace(made, sections={**made.sections, section: value})
+
+
 def with_script(made: Experiment, *lines: str) -> Experiment:
     """The same with this script, where there are scripts."""
     section = pieces("section", FeatureSection).get("scripts")
-    return replace(made, sections={**made.sections, section: lines}) if section else made
+    return with_section(made, section, lines) if section else made
 
 
 class SessionRig:

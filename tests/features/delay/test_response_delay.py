@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.host.rig import served_session
-from tests.session.rig import SessionRig, experiment
+from tests.session.rig import SessionRig, experiment, with_section
 from woz_tui.bus.hub import Hub
 from woz_tui.config.experiment import Experiment
 from woz_tui.drivers.contract import Ask, Verb
@@ -321,6 +321,24 @@ def test_the_delay_is_said_at_the_beginning_and_when_it_changes(tmp_path: Path) 
     assert said(tmp_path, ResponseShaping(0.8, 0.4), None) == [delayed, (0, 0, [])]
     assert said(tmp_path, None, ResponseShaping(0.8, 0.4)) == [delayed]
     assert said(tmp_path, None, None) == []
+
+
+def test_what_is_held_when_its_section_goes_begins_in_its_turn(tmp_path: Path) -> None:
+    plain = with_section(experiment(tmp_path), SHAPING, None)
+
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.hub.publish(m.Marker(text="now"))
+        rig.session.play("Hello", KEY)
+        rig.session.adopt(plain, [])
+        rig.session.play("Welcome", KEY)
+        await asyncio.sleep(0.4)
+        assert rig.driver().calls == []
+        await asyncio.sleep(4)
+
+    made = with_section(plain, SHAPING, ResponseShaping(0.8, 0.0, ("marker",)))
+    rig = SessionRig(tmp_path, made=made).run(scenario)
+    said = [args["text"] for verb, args in rig.driver().calls if verb == "say"]
+    assert said == ["Hello P07", "Welcome"]
 
 
 async def test_a_newcomer_is_told_the_delay(tmp_path: Path) -> None:

@@ -228,3 +228,21 @@ def test_what_is_wrong_with_a_profile_is_told_with_its_place(
     found = errors(tmp_path, f"{FILE}  child: {profile}\n")
     assert any(said in error for error in found), found
     assert all(error.startswith("8:") for error in found)
+
+
+@pytest.mark.safety
+def test_a_profile_forbids_from_the_moment_on_at_which_it_is_chosen(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        session, profile = rig.session, rig.session.features.of(ProfileInUse)
+        session.play("Map", KEY)  # nobody asks it yet
+        profile.use("child", "key")
+        with pytest.raises(RequestError, match=NOT):
+            session.play("Map", KEY)
+        session.adopt(experiment(tmp_path), [])  # it is still in use
+        with pytest.raises(RequestError, match=NOT):
+            session.play("Map", KEY)
+        profile.use("", "key")
+        await asyncio.sleep(5)
+        session.play("Map", KEY)
+
+    SessionRig(tmp_path, made=for_children(tmp_path)).run(scenario)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from tests.session.rig import with_section
+from woz_tui.config.experiment import Experiment
 from woz_tui.features.proposals.kinds import (
     AskDismiss,
     AskModelTold,
@@ -20,6 +22,8 @@ from woz_tui.features.proposals.kinds import (
     SuggestTaken,
     SuggestTrial,
 )
+from woz_tui.features.proposals.section import PROPOSALS as SECTION
+from woz_tui.features.proposals.section import Proposals
 
 PROPOSALS = (
     SuggestSettings(sources=["program"], programs=["mcp"], after_us=1_000_000),
@@ -101,3 +105,8 @@ REQUESTS = (
     ),
     AskShown(ref=66, set="s00002", items=["1", "2"]),
 )
+
+
+def used(made: Experiment) -> Experiment:
+    """The same file with something to do for the feature."""
+    return with_section(made, SECTION, Proposals())

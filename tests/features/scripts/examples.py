@@ -1,6 +1,9 @@
 """Examples of what is said and asked of scripts, for the golden files of the protocol."""
 
+from tests.session.rig import with_section
+from woz_tui.config.experiment import Experiment
 from woz_tui.features.scripts.kinds import AskScript, ScriptMoved
+from woz_tui.features.scripts.section import SCRIPT
 
 #: Where the script of the console's scene stands, since minute 11.
 SCENE = (ScriptMoved(position=2, t=660_000_000),)
@@ -13,3 +16,8 @@ REQUESTS = (
     AskScript(ref=21, play=False, by=-1, key="<"),
     AskScript(ref=22, to=3, text="Good morning, {participant}!", key="ctrl+g"),
 )
+
+
+def used(made: Experiment) -> Experiment:
+    """The same file with something to do for the feature."""
+    return with_section(made, SCRIPT, ("Hello", "Welcome"))

@@ -1,7 +1,10 @@
 """Examples of what is said of slots, for the golden files of the protocol."""
 
+from tests.session.rig import with_section
+from woz_tui.config.experiment import Experiment
 from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.features.slots.kinds import SlotFilled
+from woz_tui.features.slots.section import SLOTS, Slot
 from woz_tui.protocol.requests import AskAction
 
 MESSAGES = (
@@ -36,3 +39,8 @@ REQUESTS = (
         slots_took_us=900_000,
     ),
 )
+
+
+def used(made: Experiment) -> Experiment:
+    """The same file with something to do for the feature."""
+    return with_section(made, SLOTS, {"colour": Slot(("red", "blue"))})

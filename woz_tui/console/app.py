@@ -308,8 +308,7 @@ class Console(ScreenApp):
         text, remedy = self.greeting
         if text:
             self.greeting = ("", "")
-            now = self.state.now(self.clock.now_us())
-            self.state.events.append(EventLine("warning", text, remedy, now))
+            self._list_warning(text, remedy)
             self.news(f"{text} ({remedy})", "warn")
         if self._greets:  # this line takes the place of the other, which is an event, too
             self._greets = False
@@ -336,9 +335,7 @@ class Console(ScreenApp):
             self.news(f"{back}; the stop is not pressed: press it again", "warn")
         elif self._was_stopped and self.state.session.stop is None:
             self.news(f"{back}; the stop is not pressed any more", "warn")
-            now = self.state.now(self.clock.now_us())
-            text = "The stop is not pressed any more"
-            self.state.events.append(EventLine("warning", text, "escape presses it", now))
+            self._list_warning("The stop is not pressed any more", "escape presses it")
         elif late:
             why = next(reversed(late.values()))
             self.news(f"{back}; not played: {', '.join(late)} ({why})", "warn")
@@ -491,6 +488,11 @@ class Console(ScreenApp):
         self._news_until = self._news_t + round(NEWS_S * 1_000_000)
         self.paint()
 
+    def _list_warning(self, text: str, detail: str) -> None:
+        """A line of this console's own in the list of events."""
+        now = self.state.now(self.clock.now_us())
+        self.state.events.append(EventLine("warning", text, detail, now))
+
     def _forget_news(self) -> None:
         """A newer key has another end than what was told before it came."""
         if self._news.text and self._news_t <= self.keyboard.came_us:
@@ -536,9 +538,7 @@ class Console(ScreenApp):
         """Say once what alt does here; the stop has been sent."""
         if not self._alt_told:
             self._alt_told = True
-            now = self.state.now(self.clock.now_us())
-            text = "This terminal sends escape with alt"
-            self.state.events.append(EventLine("warning", text, "escape is the stop", now))
+            self._list_warning("This terminal sends escape with alt", "escape is the stop")
             self.paint()
 
     def _prefix(self, prefix: str) -> None:

@@ -64,7 +64,7 @@ class ParticipantApp(ScreenApp):
             return
         for came in self.inbox.taken():
             if isinstance(came, Loss):
-                self._cut(came)
+                self._connection_lost(came)
             else:
                 self._work_in(came)
         if self.state.ended and self.state.lost:
@@ -109,7 +109,7 @@ class ParticipantApp(ScreenApp):
         if not reply.ok and reply.reason == GONE:  # nobody knows whether it came
             self._begun = None
 
-    def _cut(self, loss: Loss) -> None:
+    def _connection_lost(self, loss: Loss) -> None:
         """No reply will come any more; what was not confirmed goes out again later."""
         self.state.lose(loss)
         waiting, self._waiting = self._waiting, {}

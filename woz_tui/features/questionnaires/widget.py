@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from textual import events
@@ -166,7 +167,7 @@ class QuestionnaireSheet(Vertical):
         self.draw()
 
     def _send(self, request: AskAnswer | AskQuestionnaire) -> None:
-        self._ask(request, lambda reply: self._replied(request, reply))
+        self._ask(request, partial(self._replied, request))
 
     def _replied(self, request: AskAnswer | AskQuestionnaire, reply: Reply) -> None:
         run = self.run

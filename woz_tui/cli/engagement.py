@@ -178,9 +178,7 @@ def _again(arguments: Namespace, log: Path, settings: EngagementSettings) -> int
     from woz_tui.cli import engagement_log  # noqa: PLC0415
 
     options = functools.partial(with_options, arguments)
-    begin, above = engagement_log.planned(
-        arguments, log, settings, options, lambda file: options(_experiments(file))
-    )
+    begin, above = engagement_log.planned(arguments, log, settings, options)
     if arguments.trials:
         from woz_tui.cli import engagement_trials  # noqa: PLC0415
 
@@ -203,7 +201,16 @@ def settings_of(arguments: Namespace) -> EngagementSettings:
     Raises `ExperimentError` for a wrong file and `OptionsError` for options that do not go
     together.
     """
-    settings = _experiments(arguments.experiment) if arguments.experiment else EngagementSettings()
+    settings = EngagementSettings()
+    if file := arguments.experiment:
+        from woz_tui.config.loading import load  # noqa: PLC0415
+        from woz_tui.drivers import plugins  # noqa: PLC0415
+
+        engagement = load(file, plugins.installed()).engagement
+        if engagement is None:
+            _print_error(f"{file} has no section engagement; the defaults are used")
+        else:
+            settings = engagement.settings
     return with_options(arguments, settings)
 
 
@@ -225,17 +232,6 @@ def with_options(arguments: Namespace, settings: EngagementSettings) -> Engageme
     if problems:
         raise OptionsError("; ".join(f"{name}: {why}" for name, why in problems))
     return settings
-
-
-def _experiments(file: Path) -> EngagementSettings:
-    from woz_tui.config.loading import load  # noqa: PLC0415
-    from woz_tui.drivers import plugins  # noqa: PLC0415
-
-    engagement = load(file, plugins.installed()).engagement
-    if engagement is None:
-        _print_error(f"{file} has no section engagement; the defaults are used")
-        return EngagementSettings()
-    return engagement.settings
 
 
 def _share(text: str) -> float:

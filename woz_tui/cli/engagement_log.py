@@ -53,7 +53,6 @@ def planned(
     log: Path,
     settings: EngagementSettings,
     with_options: Callable[[EngagementSettings], EngagementSettings],
-    of_experiment: Callable[[Path], EngagementSettings],
 ) -> tuple[EngagementSettings | None, SettingsOverride]:
     """Settings of the beginning, and what stands above those that the log tells itself."""
     named = _named(arguments)
@@ -65,7 +64,7 @@ def planned(
     if first == SETTINGS_KIND:
         return None, above
     # A log without settings is of a version that had the paper's turns alone.
-    begin = replace(_searched(log, settings, of_experiment), turns=PAPER)
+    begin = replace(_searched(log, settings), turns=PAPER)
     return with_options(begin), above
 
 
@@ -81,12 +80,12 @@ def _named(arguments: Namespace) -> dict[str, frozenset[str]]:
     return named
 
 
-def _searched(
-    log: Path,
-    otherwise: EngagementSettings,
-    of_experiment: Callable[[Path], EngagementSettings],
-) -> EngagementSettings:
+def _searched(log: Path, otherwise: EngagementSettings) -> EngagementSettings:
     """Those of the experiment that the session was run with, if its very file is still there."""
+    from woz_tui.config.file_position import ExperimentError  # noqa: PLC0415
+    from woz_tui.config.loading import load  # noqa: PLC0415
+    from woz_tui.drivers import plugins  # noqa: PLC0415
+
     start = next((line.message for line in read(log, Damage())), None)
     if not isinstance(start, m.SessionStart):
         _warn("the log does not name its experiment; the defaults are used")
@@ -94,26 +93,19 @@ def _searched(
     name = Path(start.experiment).name
     why = f"{name} is not beside the log"
     for file in candidate_files(log, name):
-        why = _unlike(file, start)
-        if not why:
-            return of_experiment(file)
+        try:
+            experiment = load(file, plugins.installed())
+        except (ExperimentError, OSError, plugins.PluginError) as error:
+            why = f"{file} cannot be read now: {str(error).splitlines()[0]}"
+            continue
+        if experiment.sha256 != start.experiment_sha256:
+            why = f"{file} has changed since the session"
+        elif experiment.engagement is None:
+            why = f"{file} has no section engagement"
+        else:
+            return experiment.engagement.settings
     _warn(f"{why}; the defaults are used (name a file with --experiment)")
     return otherwise
-
-
-def _unlike(file: Path, start: m.SessionStart) -> str:
-    """Why `file` is not the experiment of the session; empty: it is."""
-    from woz_tui.config.file_position import ExperimentError  # noqa: PLC0415
-    from woz_tui.config.loading import load  # noqa: PLC0415
-    from woz_tui.drivers import plugins  # noqa: PLC0415
-
-    try:
-        experiment = load(file, plugins.installed())
-    except (ExperimentError, OSError, plugins.PluginError) as error:
-        return f"{file} cannot be read now: {str(error).splitlines()[0]}"
-    if experiment.sha256 != start.experiment_sha256:
-        return f"{file} has changed since the session"
-    return f"{file} has no section engagement" if experiment.engagement is None else ""
 
 
 def _hints(recount: LogRerun, damage: Damage) -> None:

@@ -128,7 +128,7 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
         }
         print(json.dumps(report, indent=2))
     else:
-        _print(experiment, keymap, terminal, layout, arguments)
+        _print_experiment(experiment, keymap, terminal, layout, arguments)
     return 0
 
 
@@ -185,7 +185,7 @@ def _print_errors(problems: list[Problem], arguments: Namespace) -> None:
 # -- for people -------------------------------------------------------------------------------
 
 
-def _print(
+def _print_experiment(
     experiment: Experiment,
     keymap: keys.KeyMap,
     terminal: keys.Terminal,

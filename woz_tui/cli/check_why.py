@@ -53,7 +53,7 @@ def show(experiment: Experiment, key: str, *, as_json: bool) -> int:
     unknown = _rows_not_looked_at()
     if as_json:
         plain = [
-            {"what": heading, "answers": [_plain(moment.when, why) for moment, why in told]}
+            {"what": heading, "answers": [_answer_json(moment.when, why) for moment, why in told]}
             for heading, told in answers
         ]
         print(json.dumps({"asked": key, "found": plain, "not_looked_at": unknown}, indent=2))
@@ -134,7 +134,7 @@ def _facts(experiment: Experiment, features: Mapping[str, object], part: str = "
     )
 
 
-def _plain(when: str, refusal: Refusal | None) -> Json:
+def _answer_json(when: str, refusal: Refusal | None) -> Json:
     if refusal is None:
         return {"when": when, "ok": True}
     return {

@@ -65,11 +65,11 @@ def run(arguments: argparse.Namespace) -> int:
     if found.unread:
         print(f"woz coding: {found.unread} line(s) of {path.name} left out", file=sys.stderr)
     if arguments.coders is None:
-        return _listed(found, as_json=arguments.json)
-    return _compared(arguments, found)
+        return _print_coders(found, as_json=arguments.json)
+    return _print_agreements(arguments, found)
 
 
-def _listed(found: Codings, *, as_json: bool) -> int:
+def _print_coders(found: Codings, *, as_json: bool) -> int:
     from woz_tui.cli.report_layout import fitted, report_page, text_table  # noqa: PLC0415
     from woz_tui.log.coding_file import tiers_of  # noqa: PLC0415
 
@@ -86,7 +86,7 @@ def _listed(found: Codings, *, as_json: bool) -> int:
     return 0
 
 
-def _compared(arguments: argparse.Namespace, found: Codings) -> int:
+def _print_agreements(arguments: argparse.Namespace, found: Codings) -> int:
     from woz_tui.analysis.coder_agreement import agreements, coded_spans, coded_trials  # noqa: PLC0415
     from woz_tui.analysis.text_format import counted  # noqa: PLC0415
     from woz_tui.cli.report_layout import report_page  # noqa: PLC0415
@@ -132,11 +132,11 @@ def _compared(arguments: argparse.Namespace, found: Codings) -> int:
     where = trials if timeline.has_trials else "the whole session"
     paper.say(f"{one} and {other}: bins of {arguments.bin:g} s in {where}, {seconds:.1f} s")
     for each in selected:
-        _show(paper, each, one, other)
+        _print_agreement(paper, each, one, other)
     return 0
 
 
-def _show(paper: ReportPage, found: Agreement, one: str, other: str) -> None:
+def _print_agreement(paper: ReportPage, found: Agreement, one: str, other: str) -> None:
     from rich.text import Text  # noqa: PLC0415
 
     from woz_tui.cli.report_layout import text_table  # noqa: PLC0415

@@ -76,7 +76,7 @@ def run(arguments: Namespace) -> int:
         return 2
     if arguments.into:
         return _into(arguments)
-    return asyncio.run(_hands(arguments))
+    return asyncio.run(_watch_devices(arguments))
 
 
 # -- standard input and output as a session's socket -----------------------------------------------
@@ -108,7 +108,7 @@ def _copy_in(session: socket.socket) -> None:
 # -- reading devices -------------------------------------------------------------------------------
 
 
-async def _hands(arguments: Namespace) -> int:
+async def _watch_devices(arguments: Namespace) -> int:
     catalogue = plugins.installed()
     if DRIVER not in catalogue:
         raise plugins.PluginError(f"no installed package offers the driver {DRIVER!r}")

@@ -24,10 +24,10 @@ def run(arguments: Namespace) -> int:
     """Print the sentences; what no log can know, and what could not be read, goes to stderr."""
     from woz_tui.cli import log_from_stdin  # noqa: PLC0415
 
-    return log_from_stdin.with_logs(arguments, _run, "woz methods")
+    return log_from_stdin.with_logs(arguments, _print_methods, "woz methods")
 
 
-def _run(arguments: Namespace) -> int:
+def _print_methods(arguments: Namespace) -> int:
     from woz_tui.analysis.methods_section import by_hand, paragraphs  # noqa: PLC0415
     from woz_tui.analysis.participants import alike_sentence  # noqa: PLC0415
     from woz_tui.analysis.session_reading import NO_EXTRAS  # noqa: PLC0415

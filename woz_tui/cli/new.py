@@ -159,7 +159,7 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
             print(f"woz: no file was written ({given})", file=sys.stderr)
             return 1
         undo.pop_all()
-    _print(path, experiment, abilities)
+    _print_next_steps(path, experiment, abilities)
     return 0
 
 
@@ -182,7 +182,7 @@ def _refused(problem: Problem) -> str:
     return f"{problem.path}: {problem.message}"
 
 
-def _print(path: Path, experiment: Experiment, abilities: Abilities) -> None:
+def _print_next_steps(path: Path, experiment: Experiment, abilities: Abilities) -> None:
     print(f"{path}: written. {verdict(experiment, len(experiment.warnings))}.")
     to_write = sum(text.count(utterance_template.TO_WRITE) for text in experiment.texts[:1])
     for warning in experiment.warnings:

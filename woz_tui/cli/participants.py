@@ -103,9 +103,9 @@ def run(arguments: Namespace) -> int:
         elif is_unfinished(folder):
             _complain(f"{folder}: a withdrawal was interrupted here: --withdraw finishes it")
     if arguments.due:
-        return _due(arguments)
+        return _print_due(arguments)
     if arguments.code is None:
-        return _list(stored_files(arguments.folders), arguments)
+        return _print_list(stored_files(arguments.folders), arguments)
     code = check_code("participant", arguments.code)
     found = stored_files(arguments.folders, [code])
     if arguments.withdraw:
@@ -118,14 +118,14 @@ def run(arguments: Namespace) -> int:
         if arguments.json:
             print(json_text(plan.as_json(), indent=2))
         else:
-            _print(plan, found)
+            _print_plan(plan, found)
     return 1 if _complain_all(found.problems) else status
 
 
 # -- everybody ------------------------------------------------------------------------------------
 
 
-def _list(found: StoredFiles, arguments: Namespace) -> int:
+def _print_list(found: StoredFiles, arguments: Namespace) -> int:
     listed = ParticipantList.of(found, arguments.folders)
     if arguments.json:
         print(json_text(listed.as_json(), indent=2))
@@ -145,7 +145,7 @@ def _list(found: StoredFiles, arguments: Namespace) -> int:
     return 1 if _complain_all(found.problems) else 0
 
 
-def _due(arguments: Namespace) -> int:
+def _print_due(arguments: Namespace) -> int:
     retention = read_about(arguments.about).retention
     if retention == RetentionEntry():
         _complain(
@@ -170,7 +170,7 @@ def _due(arguments: Namespace) -> int:
 # -- one of them ----------------------------------------------------------------------------------
 
 
-def _print(plan: Removal, found: StoredFiles) -> None:
+def _print_plan(plan: Removal, found: StoredFiles) -> None:
     if plan.is_empty() and not plan.by_hand:
         print(f"{plan.code} stands in no file that can be searched")
     if plan.deleted:
@@ -227,7 +227,7 @@ def _copy(found: StoredFiles, code: str, arguments: Namespace) -> int:
 def _withdraw(found: StoredFiles, code: str, arguments: Namespace) -> int:
     plan = planned(found, code)
     if not arguments.json:
-        _print(plan, found)
+        _print_plan(plan, found)
     if plan.is_empty():
         if arguments.json:
             print(json_text(plan.as_json(), indent=2))

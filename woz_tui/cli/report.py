@@ -159,7 +159,7 @@ def _report(arguments: argparse.Namespace) -> int:
         print(f"woz report: {os_error_text(error)}", file=sys.stderr)
         return 1
     if not (arguments.json or arguments.html) and grouped.sessions:
-        _print(arguments, grouped, alone)
+        _print_on_terminal(arguments, grouped, alone)
     # Of no session no file was written: older ones may be there.
     for path in filter(None, (arguments.csv, arguments.figures, arguments.html)):
         nothing = f"{path} was not written: there is nothing to report"
@@ -265,7 +265,7 @@ class JsonOutput:
         print("],\n" + json_text(found, allow_nan=False).removeprefix("{"))
 
 
-def _print(
+def _print_on_terminal(
     arguments: argparse.Namespace, grouped: GroupedSessions, alone: SessionReport | None
 ) -> None:
     from woz_tui.cli import report_sessions as terminal  # noqa: PLC0415

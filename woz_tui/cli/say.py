@@ -86,7 +86,7 @@ def run(arguments: Namespace) -> int:
     changes = {name: getattr(arguments, name) for name in _CHANGES}
     wanted: dict[str, Json] = {name: one for name, one in changes.items() if one is not None}
     args = checked(found[name].verb, {"text": arguments.text, **wanted})
-    return asyncio.run(_heard(found[name], args))
+    return asyncio.run(_speak(found[name], args))
 
 
 def speakers(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> list[Speaker]:
@@ -123,7 +123,7 @@ def speakers(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> lis
     ]
 
 
-async def _heard(speaker: Speaker, args: Mapping[str, Json]) -> int:
+async def _speak(speaker: Speaker, args: Mapping[str, Json]) -> int:
     """Open the driver, wait until it is there, and have it speak."""
     clock = RealClock()
     hub = Hub(clock, lambda message, line: None)

@@ -108,6 +108,8 @@ def used(figures: SessionFigures, report: SessionReport) -> None:
     with tempfile.TemporaryDirectory() as folder, table_files(Path(folder)) as sheets:
         sheets.add(figures)
         write_figures(Path(folder) / "figures", grouped)
+        for table in (Path(folder) / "figures").rglob("*.csv"):
+            assert "'-," not in table.read_text(), "nothing is an empty cell, not a dash"
         place = KeptPlace(Path(folder) / "kept", "log", "sum")
         place.keep(figures)
         assert place.load(SessionFigures) == figures

@@ -15,6 +15,7 @@ from woz_tui.analysis.outcome_tables import caption, differences_sentence, headi
 from woz_tui.analysis.outcomes import Outcome
 from woz_tui.analysis.participant_groups import GroupedSessions
 from woz_tui.analysis.reaction_totals import REACTION_WORDS, REACTIONS, reactions_table
+from woz_tui.analysis.text_format import NONE
 from woz_tui.system.files import replace
 from woz_tui.system.text_cleaning import cell
 
@@ -50,8 +51,10 @@ def write_figures(folder: Path, grouped: GroupedSessions) -> None:
             ("participants", found.flow.table()),
         ):
             if table.rows:
-                text = _csv((table.heads, *table.rows))
-                replace(place / f"{name}.csv", text, mode=0o600, durable=False)
+                # What a page shows as a dash is empty here.
+                rows = ([None if text == NONE else text for text in row] for row in table.rows)
+                content = _csv((table.heads, *rows))
+                replace(place / f"{name}.csv", content, mode=0o600, durable=False)
 
 
 def _files(outcome: Outcome, name: str) -> Iterator[tuple[str, str]]:

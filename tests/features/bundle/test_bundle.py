@@ -8,6 +8,7 @@ import hashlib
 import json
 import random
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -219,6 +220,18 @@ def test_its_script_reproduces_means_of_the_report(bundle: Path) -> None:
     for condition in ("warm", "sober"):
         reported = pytest.approx(float(rows[condition]["mean"]), abs=1e-2)
         assert means["robot_ux_pleasant", condition] == reported
+
+
+@pytest.mark.skipif(shutil.which("Rscript") is None, reason="R is not installed")
+def test_its_script_for_r_reproduces_them_too(bundle: Path) -> None:
+    ran = subprocess.run(
+        ["Rscript", "analysis/read.R"],
+        cwd=bundle, capture_output=True, text=True, timeout=60, check=True,
+    )  # fmt: skip
+    assert re.search(r"robot_ux_pleasant +sober +3\.0+\n", ran.stdout)
+    assert re.search(r"robot_ux_pleasant +warm +5\.66", ran.stdout)
+    assert re.search(r"end_person +2\.33", ran.stdout)
+    assert re.search(r"robot_ux_robots *\n +value\n", ran.stdout), "counted"
 
 
 def test_labels_are_in_the_scripts_for_r_and_spss(bundle: Path) -> None:

@@ -51,7 +51,8 @@ labels <- list(
 for (name in names(labels)) attr(answers[[name]], "label") <- labels[[name]]
 {values}
 # Means of participants by condition, item by item
-items <- setdiff(names(answers), c("participant", "session", "condition", "round"))
+choices <- c({choices})  # codes without an order: counted
+items <- setdiff(names(answers), c("participant", "session", "condition", "round", choices))
 for (item in items) {{
   each <- answers[!is.na(answers[[item]]), ]
   if (nrow(each) == 0) next
@@ -60,6 +61,11 @@ for (item in items) {{
                                          condition = each$condition), mean)
   print(aggregate(people$x, list(item = rep(item, nrow(people)),
                                  condition = people$condition), mean))
+}}
+for (item in choices) {{
+  condition <- ifelse(is.na(answers$condition), "", as.character(answers$condition))
+  cat("\\n", item, "\\n")
+  print(table(condition = condition, value = answers[[item]]))
 }}
 # A model to begin with, for scores: lme4::lmer(score ~ condition + (1 | participant), data)
 # for single items: ordinal::clmm(factor(item) ~ condition + (1 | participant), data)
@@ -100,7 +106,9 @@ def r_script(study: str, items: Sequence[Variable]) -> str:
         for each in shown
         if each.labels
     )
-    return _R.format(table=table_file(study, ANSWERS), labels=labels, values=values)
+    choices = ", ".join(map(_quoted, _choices(items)))
+    table = table_file(study, ANSWERS)
+    return _R.format(table=table, labels=labels, values=values, choices=choices)
 
 
 def spss_script(study: str, items: Sequence[Variable]) -> str:

@@ -173,10 +173,11 @@ class _Links:
 
 def _of_stem(folder: Path, stem: str) -> list[tuple[Path, FileName]]:
     try:
-        paths = sorted(path for path in folder.iterdir() if path.name.startswith(stem))
+        # Names alone: a folder has the files of all sessions, and is looked through for each.
+        names = sorted(name for name in os.listdir(folder) if name.startswith(stem))
     except OSError:
         return []
-    named = ((path, FileName.parse(path.name)) for path in paths)
+    named = ((folder / name, FileName.parse(name)) for name in names)
     return [(path, name) for path, name in named if name is not None and name.stem == stem]
 
 

@@ -26,7 +26,9 @@ REST = {
     "panels": "panels: [{title: Speech, actions: [{key: h, label: Hello, say: Hello}]}]",
 }
 #: What a piece may name that the rest of its file would have.
-ELSEWHERE = re.compile(r"there is no (action|panel|condition|questionnaire) '|'(Gestures|photo)' is n")
+ELSEWHERE = re.compile(
+    r"there is no (action|panel|condition|questionnaire) '|'(Gestures|photo)' is n"
+)
 #: Pieces that do not load by themselves, by page and first line.
 NOT_ALONE = {
     ("engagement-sound.md", "- {key: z, label: Learn the room"): "needs a microphone",

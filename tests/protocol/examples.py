@@ -353,6 +353,7 @@ MESSAGES: tuple[m.Message, ...] = (
     *feature_examples("proposals", "PROPOSALS"),
     *feature_examples("choices", "MESSAGES"),
     *feature_examples("page", "MESSAGES"),
+    *feature_examples("dictation", "MESSAGES"),
 )
 
 _PANELS = [
@@ -454,6 +455,7 @@ REQUESTS: tuple[r.Request, ...] = (
     *feature_examples("proposals", "REQUESTS"),
     *feature_examples("choices", "REQUESTS"),
     *feature_examples("page", "REQUESTS"),
+    *feature_examples("dictation", "REQUESTS"),
     r.AskCancel(ref=64, asked=60),
 )
 

@@ -577,6 +577,16 @@ class Performer(Protocol):
         """
 
 
+class FileTranscriber(Protocol):
+    """Turns recorded speech into text, for `woz dictate`."""
+
+    async def text_of(self, file: Path) -> str:
+        """What is said in a WAV file; empty: nothing was understood. Raises `DriverError`."""
+
+    async def close(self) -> None:
+        """End it."""
+
+
 class Driver(Performer):
     """One piece of hardware, or several behind one wire. Only `Settings`, `summary`, `perform` and
     `stop` are needed: everything else has a harmless default.
@@ -618,6 +628,13 @@ class Driver(Performer):
         `warning` lets the file pass, an `error` does not; others are not shown.
         """
         return ()
+
+    @classmethod
+    def transcriber(cls, settings: Any, folder: Path) -> FileTranscriber | None:
+        """What turns recorded speech into text with these settings, apart from any session; None:
+        nothing does. `folder`: where it works.
+        """
+        return None
 
     @classmethod
     async def voices(cls, probe: Probe) -> list[VoiceFound]:

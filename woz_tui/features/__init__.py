@@ -22,5 +22,6 @@ FEATURES: tuple[str, ...] = (
     "woz_tui.features.page:Page",
     "woz_tui.features.bundle:Bundle",
     "woz_tui.features.proposals:Proposals",
+    "woz_tui.features.dictation:Dictation",
     "woz_tui.features.move_editor:MoveEditor",
 )

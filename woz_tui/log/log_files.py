@@ -174,7 +174,7 @@ class _Links:
 def _of_stem(folder: Path, stem: str) -> list[tuple[Path, FileName]]:
     try:
         # Names alone: a folder has the files of all sessions, and is looked through for each.
-        names = sorted(name for name in os.listdir(folder) if name.startswith(stem))
+        names = sorted(name for name in os.listdir(folder) if name.startswith(stem))  # noqa: PTH208
     except OSError:
         return []
     named = ((folder / name, FileName.parse(name)) for name in names)

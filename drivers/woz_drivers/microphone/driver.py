@@ -7,9 +7,11 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from woz_drivers.microphone import arecord_words, doctor
+from woz_drivers.microphone.file_transcriber import file_transcriber
 from woz_drivers.microphone.own_voice import OwnVoiceGate
 from woz_drivers.microphone.robot_ears import RobotEars
 from woz_drivers.microphone.settings import MicrophoneSettings
@@ -31,6 +33,7 @@ from woz_tui.drivers.contract import (
     DriverContext,
     DriverError,
     DriverFacts,
+    FileTranscriber,
     Finding,
     Health,
     Job,
@@ -118,6 +121,11 @@ class Microphone(PassiveDriver):
                 ),
             ),
         )
+
+    @classmethod
+    def transcriber(cls, settings: Any, folder: Path) -> FileTranscriber | None:
+        """The program of its own settings, in a process of its own."""
+        return file_transcriber(settings, folder)
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

@@ -22,6 +22,7 @@ _shtab_woz_commands() {
     convert:'write a WoZ4U config.yaml as an experiment file'
     demo:'start a session with a simulated robot and a simulated visitor'
     design:'show the order of conditions: used so far, and next'
+    dictate:'your own voice becomes text in the field of `say`'
     doctor:'check this machine, its devices and this terminal for an experiment'
     drivers:'offer drivers of this computer to a session on another one'
     edit-move:'edit the frames of a move on a time line, and see and play them without a robot'
@@ -287,6 +288,18 @@ _shtab_woz_design_options=(
 
 # guard to ensure default positional specs are added only once per session
 _shtab_woz_design_defaults_added=0
+
+_shtab_woz_dictate_options=(
+  "(- : *)"{-h,--help}"[show this help message and exit]"
+  "--access[join a session on another machine with this access file (see \`woz access\`)]:FILE:_files"
+  "--experiment[use the recogniser that a microphone of this experiment has]:FILE:_files"
+  "--transcribe[or this program, which writes the text of the WAV file \{file\} to stdout]:COMMAND:"
+  "--threshold[louder than this RMS (0 to 1) is speech (default\: 0.02)]:threshold:"
+  ":session code, such as S02, or socket (default\: the only one that runs)\; with --access\: the robot\'s HOST\:PORT:"
+)
+
+# guard to ensure default positional specs are added only once per session
+_shtab_woz_dictate_defaults_added=0
 
 _shtab_woz_doctor_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
@@ -852,6 +865,7 @@ _shtab_woz() {
         convert) _arguments -C -s $_shtab_woz_convert_options ;;
         demo) _arguments -C -s $_shtab_woz_demo_options ;;
         design) _arguments -C -s $_shtab_woz_design_options ;;
+        dictate) _arguments -C -s $_shtab_woz_dictate_options ;;
         doctor) _arguments -C -s $_shtab_woz_doctor_options ;;
         drivers) _arguments -C -s $_shtab_woz_drivers_options ;;
         edit-move) _arguments -C -s $_shtab_woz_edit_move_options ;;

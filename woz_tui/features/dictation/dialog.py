@@ -1,0 +1,33 @@
+"""The field of `say`, into which dictated texts come."""
+
+from __future__ import annotations
+
+from woz_tui.console.screens.say import SayDialog
+from woz_tui.features.dictation.notes import DictatedTexts
+
+
+class DictatedSayDialog(SayDialog):
+    """What was dictated stands there as if it were typed; enter says it."""
+
+    heading = "Say (dictated)"
+
+    @property
+    def draft(self) -> str:
+        """The same as of the field without dictation."""
+        return SayDialog.__name__
+
+    def on_mount(self) -> None:
+        """With what came before it was opened."""
+        super().on_mount()
+        self._take()
+
+    def refreshed(self) -> None:
+        """With what has come since."""
+        super().refreshed()
+        self._take()
+
+    def _take(self) -> None:
+        notes = self.state.study.notes.of(DictatedTexts)
+        if notes is not None and notes.waiting and self.there:
+            before = self.entry.value.rstrip()
+            self.set_text(f"{before} {notes.take()}".lstrip().replace("{", "{{").replace("}", "}}"))

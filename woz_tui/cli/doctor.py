@@ -9,6 +9,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 from rich.table import Table
@@ -17,7 +18,7 @@ from rich.text import Text
 from woz_tui.analysis.text_format import counted
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.cli.shared_options import add_robot
-from woz_tui.config.experiment import DriverSpec
+from woz_tui.config.experiment import DriverSpec, Experiment
 from woz_tui.config.file_position import ExperimentError, Problem
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
@@ -200,6 +201,7 @@ class _Devices:
     drivers: tuple[DriverSpec, ...]
     folder: Path
     catalogue: plugins.Catalogue
+    experiment: Experiment | None = None
 
 
 def _experiment(path: Path, robot: str, at: str) -> Iterator[DoctorSection]:
@@ -220,6 +222,10 @@ def _experiment(path: Path, robot: str, at: str) -> Iterator[DoctorSection]:
         for spec in devices.drivers:
             findings = _driver(spec, devices, at)
             yield DoctorSection(f"Driver {spec.name} ({spec.kind})", findings)
+        if devices.experiment is not None and not at:
+            for name, checks in pieces("doctor", FeatureChecks).items():
+                if found := bounded(name, partial(checks.of_file, devices.experiment), LOAD_S):
+                    yield DoctorSection(f"Feature {name}", found)
 
 
 def _load(path: Path, robot: str, loaded: list[_Devices]) -> list[Finding]:
@@ -231,7 +237,7 @@ def _load(path: Path, robot: str, loaded: list[_Devices]) -> list[Finding]:
         experiment = load(path, catalogue, robot=robot)
     except (ExperimentError, plugins.PluginError, OSError) as error:
         return _refused(path, error)
-    loaded.append(_Devices(experiment.drivers, experiment.path.parent, catalogue))
+    loaded.append(_Devices(experiment.drivers, experiment.path.parent, catalogue, experiment))
     count = sum(len(panel.actions) for panel in experiment.panels)
     drivers = counted(len(experiment.drivers), "driver")
     text = f"{experiment.title}: {counted(count, 'action')}, {drivers}"

@@ -20,6 +20,7 @@ class Proposals(Feature):
     figures = "figures:FIGURES"
     gathered = "gathered:GatheredProposals"
     report = "report:REPORT"
+    doctor = "doctor:CHECKS"
     command = CommandLine(
         name="suggest",
         summary="ask a language model for sentences that the wizard may take",

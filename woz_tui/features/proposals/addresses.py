@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from urllib.parse import urlsplit
 
+#: The variable of the environment with a server's key.
+KEY = "WOZ_SUGGEST_KEY"
+
 
 def host_of(url: str) -> str:
     """The computer that an address names."""

@@ -14,10 +14,8 @@ from pathlib import Path
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.client import WozError, connect
+from woz_tui.features.proposals.addresses import KEY
 from woz_tui.features.proposals.model_program import ModelProgram, held_model
-
-#: The variable of the environment with a key.
-KEY = "WOZ_SUGGEST_KEY"
 
 
 class KeyFileError(Exception):

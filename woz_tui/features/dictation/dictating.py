@@ -74,7 +74,7 @@ class Dictating:
             piece, ended = await self._waiting.get()
             try:
                 await asyncio.to_thread(_write, file, piece)
-                text = (await self._transcriber.text_of(file)).strip()
+                text = " ".join((await self._transcriber.text_of(file)).split())
                 if text:
                     took = round((time.monotonic() - ended) * 1e6)
                     lasted = round(len(piece) / 2 / RATE * 1e6)

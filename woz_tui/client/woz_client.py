@@ -611,6 +611,7 @@ async def connect(
     samples: bool = False,
     sees: Literal["", "all", "wizard"] = "",
     part: str = "",
+    unattended: bool = False,
 ) -> AsyncIterator[WozClient]:
     """Connect to a session of this user until the block ends.
 
@@ -620,6 +621,7 @@ async def connect(
         samples: Whether `messages` has the sensors' readings, too.
         sees: `wizard`: no more than the wizard sees, for a screen that the wizard can read.
         part: Plays only what the wizard of this part plays (`for` in the experiment); empty: all.
+        unattended: It keeps no session up that everybody else has left.
 
     Raises:
         WozConnectionError: Nobody answers there, or it is not clear which session is meant.
@@ -636,7 +638,8 @@ async def connect(
     stream = "everything" if samples else "actions"
     try:
         hello = r.Hello(role="program", name=name, protocol=r.PROTOCOL, stream=stream, sees=sees)
-        await client.open(msgspec.structs.replace(hello, part=part))
+        hello = msgspec.structs.replace(hello, part=part, unattended=unattended)
+        await client.open(hello)
         yield client
     finally:
         await client.close()

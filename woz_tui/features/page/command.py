@@ -21,7 +21,7 @@ from woz_tui.cli.session_choice import JoinedSession, add_session_choice, joined
 from woz_tui.client import WozError, connect
 from woz_tui.console.link.message_feed import Loss
 from woz_tui.features.page.control import PageControl, open_pages, order
-from woz_tui.features.page.kinds import AskPageTell, PageFailed, PageOpened
+from woz_tui.features.page.kinds import MOST_TEXT, AskPageTell, PageFailed, PageOpened
 from woz_tui.features.page.qr import MissingQrError, drawn, modules
 from woz_tui.features.page.section import HERE
 from woz_tui.features.page.visitors import PageRole, Visitors
@@ -46,9 +46,6 @@ _FOR = {PageRole.WATCH: "To watch:", PageRole.ANSWER: "The participant:"}
 #: Nobody listens there: it only says by which of its addresses this computer reaches others.
 _ELSEWHERE = ("192.0.2.1", 9)
 
-
-#: Characters of what has failed.
-_MOST_TEXT = 300
 
 log = logging.getLogger(__name__)
 
@@ -224,8 +221,7 @@ async def _pages(
         told = partial(_told, server.visitors, here)
         control = PageControl(session.path.stem, port, told, server.renew)
         await control.start()
-        teller = SessionTeller(session.path, here.rstrip("/"), server)
-        teller.tell_opened()
+        teller = SessionTeller(session.path, here, server)
         for line in told():
             say(line)
         for role in server.visitors.codes if arguments.qr else ():
@@ -245,15 +241,15 @@ async def _pages(
 
 
 class SessionTeller:
-    """Tells the session where its pages are, and what of them has failed, as a program that comes
-    and goes: a program that stayed would keep up a session that nobody plays.
-    """
+    """Tells the session where its pages are, and what of them has failed."""
 
     def __init__(self, path: Path, here: str, server: PageServer) -> None:
         self._path, self._here, self._server = path, here, server
-        self._telling: set[asyncio.Task[None]] = set()
+        self._lines: asyncio.Queue[PageOpened | PageFailed] = asyncio.Queue()
         server.on_class_code = self.tell_opened
         server.failures.tell_session = self.tell_failed
+        self.tell_opened()
+        self._telling = asyncio.create_task(self._tell(), name="what is told of the pages")
 
     def tell_opened(self) -> None:
         """Where they are now, with the class's code."""
@@ -263,29 +259,25 @@ class SessionTeller:
             class_code=visitors.class_code if PageRole.WATCH in visitors.codes else "",
             roles=[role.value for role in visitors.codes],
             encrypted=self._here.startswith("https:"),
-            console=self._server.watching.state.console,
         )
-        self._soon(opened)
+        self._lines.put_nowait(opened)
 
-    def tell_failed(self, what: str) -> None:
+    def tell_failed(self, why: str) -> None:
         """What has failed."""
-        self._soon(PageFailed(why=what[:_MOST_TEXT], console=self._server.watching.state.console))
+        self._lines.put_nowait(PageFailed(why=why[:MOST_TEXT]))
 
     async def close(self) -> None:
         """Nothing more is told."""
-        await end_tasks(*self._telling)
+        await end_tasks(self._telling)
 
-    def _soon(self, told: PageOpened | PageFailed) -> None:
-        task = asyncio.create_task(self._tell(told), name="what the session is told of its pages")
-        self._telling.add(task)
-        task.add_done_callback(self._telling.discard)
-
-    async def _tell(self, told: PageOpened | PageFailed) -> None:
+    async def _tell(self) -> None:
+        """Nobody sits at this connection: it keeps no session up."""
         try:
-            async with connect(self._path, name="page") as client:
-                await client.request(AskPageTell(told=told))
+            async with connect(self._path, name="page", unattended=True) as client:
+                while True:
+                    await client.request(AskPageTell(told=await self._lines.get()))
         except WozError as error:  # from another computer it may be no program
-            log.info("the session was not told of its pages: %s", error)
+            log.info("the session is not told of its pages: %s", error)
 
 
 def _check_questionnaire(server: PageServer, name: str) -> None:

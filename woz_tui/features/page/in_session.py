@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from msgspec.structs import replace
+
 from woz_tui.drivers.contract import Finding
 from woz_tui.features.page.history import PageHistory
-from woz_tui.features.page.kinds import AskPageTell, PageClosed, PageFailed
+from woz_tui.features.page.kinds import MOST_TEXT, AskPageTell, PageClosed, PageFailed
 from woz_tui.features.page.section import PAGE, command_line
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.session_features import Client, SessionFeature
 
-#: Characters of an address or of what has failed.
-_MOST = 300
 #: For whom pages are, in words.
 _FOR = {"watch": "to watch", "answer": "for the participant"}
 
@@ -24,9 +24,9 @@ class PageInSession(SessionFeature):
         if client.role != "program":
             raise RequestError("only the program of the pages tells of them")
         told = request.told
-        if len(told.why if isinstance(told, PageFailed) else told.address) > _MOST:
-            raise RequestError(f"more than {_MOST} characters")
-        self.session.hub.publish(told)
+        if len(told.why if isinstance(told, PageFailed) else told.address) > MOST_TEXT:
+            raise RequestError(f"more than {MOST_TEXT} characters")
+        self.session.hub.publish(replace(told, console=client.console))
         return ""
 
     def lose(self, console: str) -> None:

@@ -6,6 +6,9 @@ from woz_tui.protocol.envelope import Message
 from woz_tui.protocol.kinds import FeatureKinds
 from woz_tui.protocol.requests import Request
 
+#: Characters of an address, or of what has failed.
+MOST_TEXT = 300
+
 
 class PageOpened(Message, frozen=True, kw_only=True, tag="page.opened"):
     """Pages of the session are at this `address`; told anew when the class has another code.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
+import socket
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from woz_tui.cli import main
 from woz_tui.features.page.visitors import PageRole
 from woz_tui.features.questionnaires.kinds import QuestionnaireStarted
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
+from woz_tui.system import session_sockets
 
 
 async def test_old_codes_and_cookies_die_and_other_roles_stay(tmp_path: Path) -> None:
@@ -58,7 +60,11 @@ async def test_another_terminal_asks_for_codes_and_new_ones(
             assert re.fullmatch(
                 r"The participant: +http://127\.0\.0\.1:\d+/join/[0-9a-f]{24}", told[2]
             )
+        killed = session_sockets.folder() / f"{host.path.stem}.1.page"
+        with socket.socket(socket.AF_UNIX) as left:
+            left.bind(str(killed))
         assert await asyncio.to_thread(main, ["page", "codes", host.path.stem]) == 1
+        assert not killed.exists()
         assert "no page is open here" in capsys.readouterr().err
 
 

@@ -77,6 +77,9 @@ def order(path: Path, renew: Collection[PageRole] = ()) -> list[str] | None:
             line.sendall(json.dumps([role.value for role in renew]).encode() + b"\n")
             with line.makefile("rb") as answer:
                 told = json.loads(answer.readline(_MOST_BYTES))
+    except ConnectionRefusedError:  # it was killed
+        path.unlink(missing_ok=True)
+        return None
     except (OSError, ValueError):
         return None
     return [str(each) for each in told] if isinstance(told, list) else None

@@ -31,6 +31,7 @@ from woz_tui.features.page.visitors import PageRole
 from woz_tui.features.questionnaires.kinds import QuestionnaireAnswered
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES, Asked
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 
 pytestmark = [pytest.mark.browser, pytest.mark.real_clock]
 
@@ -131,8 +132,10 @@ class Stage:
 
 
 @asynccontextmanager
-async def on_stage(folder: Path, tls: ssl.SSLContext | None = None) -> AsyncIterator[Stage]:
-    made = study_experiment(folder, STUDY, {QUESTIONNAIRES: Asked((TLX,))})
+async def on_stage(
+    folder: Path, tls: ssl.SSLContext | None = None, asked: Questionnaire = TLX
+) -> AsyncIterator[Stage]:
+    made = study_experiment(folder, STUDY, {QUESTIONNAIRES: Asked((asked,))})
     async with served_session(folder, made=made) as host, pages(host, tls=tls) as rig:
         wizard = await host.connect()
         await wizard.hello("wizard")
@@ -195,6 +198,37 @@ async def test_pages_are_encrypted_with_the_laboratorys_own_authority(
         await aside(asked, second, TLX.items[1].name)
         assert stage.answers() == [("Mental", 7.0)]
         assert await aside(second.complaints) == []
+
+
+WIDE = Questionnaire(
+    "tlx",
+    when="hand",
+    items=(QuestionnaireItem("load", "How much?", 0, 100, ("none", "all"), kind="slider", step=5),),
+)
+
+
+@pytest.mark.parametrize("width", [320, 360, 768, 1024, 1366])
+async def test_each_number_stands_on_its_button_in_one_piece(
+    tmp_path: Path, first: Page, width: int
+) -> None:
+    first.size(width, 740)
+    async with on_stage(tmp_path, asked=WIDE) as stage:
+        await join(first, stage.rig, PageRole.ANSWER)
+        await stage.ask()
+        await aside(first.until, lambda: first.all(BEGIN))
+        await aside(lambda: first.one(BEGIN).click())
+        await aside(asked, first, "How much")
+        outside = """
+        return [...document.querySelectorAll(".points input + span")].filter((one) => {
+          const words = document.createRange();
+          words.selectNodeContents(one);
+          const [text, ...more] = words.getClientRects(), box = one.getBoundingClientRect();
+          return more.length || text.left < box.left || text.right > box.right;
+        }).map((one) => one.textContent);
+        """
+        assert await aside(first.run, outside) == []
+        wide = "return document.documentElement.scrollWidth"
+        assert await aside(first.run, wide) <= width
 
 
 async def test_two_tablets_at_once_go_on_together(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import ssl
-from collections.abc import AsyncIterator, Callable, Collection
+from collections.abc import AsyncIterator, Callable, Collection, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any, Self
 
@@ -117,11 +117,19 @@ async def pages(
     roles: Collection[PageRole] = tuple(PageRole),
     begins: str = "",
     tls: ssl.SSLContext | None = None,
+    cameras: Sequence[str] = (),
 ) -> AsyncIterator[PageRig]:
     """Pages of this session until the block ends."""
     tell = (told if told is not None else []).append
     server = PageServer(
-        session.path, names, tell, clock=clock, debrief=debrief, roles=roles, begins=begins
+        session.path,
+        names,
+        tell,
+        clock=clock,
+        debrief=debrief,
+        roles=roles,
+        begins=begins,
+        cameras=cameras,
     )
     async with AsyncExitStack() as stack:
         host, port = await server.start(ListenAddress("127.0.0.1", 0), tls)

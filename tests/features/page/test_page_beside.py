@@ -43,6 +43,7 @@ def test_pages_of_a_file(tmp_path: Path) -> None:
         ("{at: '0.0.0.0:8080'}", "lets other computers in, and nothing is encrypted"),
         ("{at: '8080'}", "'8080' is no address"),
         ("{certificate: experiment.yaml}", "certificate and key belong together"),
+        ("{pictures: [eye]}", "there is no driver 'eye'"),
         ("{for: []}", "for"),
         ("{for: [play]}", "play"),
         ("{questionnaire: xu}", "there is no questionnaire 'xu'; questionnaires are: ux"),

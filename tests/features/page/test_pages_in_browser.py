@@ -17,6 +17,7 @@ from tests.analysis.html.browser import Page, browser
 from tests.features.choices.test_choices import offering
 from tests.features.page.rig import PageRig, pages
 from tests.host.rig import served_session
+from tests.host.test_pictures import give
 from tests.session.rig import experiment
 from tests.session.study_rig import STUDY, study_experiment
 from woz_tui.features.choices.kinds import ChoiceMade
@@ -94,6 +95,15 @@ async def test_the_watch_page_follows_the_session(tmp_path: Path, opened: Page) 
         assert await aside(opened.complaints) == []
         elsewhere = [each for each in opened.requests() if not each.startswith(rig.here)]
         assert elsewhere == []
+
+
+async def test_the_picture_of_a_named_camera_is_seen(tmp_path: Path, opened: Page) -> None:
+    async with served_session(tmp_path) as host, pages(host, cameras=("robot",)) as rig:
+        give(host)
+        await join(opened, rig, PageRole.WATCH)
+        size = "return document.querySelector('img').naturalWidth"
+        await aside(opened.until, lambda: opened.run(size) > 0)
+        assert await aside(opened.complaints) == []
 
 
 async def test_what_pages_of_others_try(tmp_path: Path, opened: Page) -> None:

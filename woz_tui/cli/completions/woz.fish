@@ -130,6 +130,7 @@ complete -c woz -n '_shtab_woz_using page' -l key -xka "(__fish_complete_path (c
 complete -c woz -n '_shtab_woz_using page' -l name -x -d 'a further name by which browsers call this computer, such as robot.local'
 complete -c woz -n '_shtab_woz_using page' -l debrief -d 'when the session is over, show its report to all who watch, conditions included; until ctrl+c'
 complete -c woz -n '_shtab_woz_using page' -l qr -d 'print the addresses for the participant and to watch as QR codes, too'
+complete -c woz -n '_shtab_woz_using page' -l pictures -x -d 'show all who watch the pictures of this driver'"'"'s camera, and whoever is before it'
 complete -c woz -n '_shtab_woz_using page' -l tablet -d 'show the participant'"'"'s page on the robot'"'"'s own tablet (its verb `screen`)'
 complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a host -d 'start only the robot process'
 complete -c woz -n '_shtab_woz_using host' -s h -l help -d 'show this help message and exit'

@@ -518,6 +518,7 @@ _shtab_woz_page_options=(
   "*--name[a further name by which browsers call this computer, such as robot.local]:NAME:"
   "--debrief[when the session is over, show its report to all who watch, conditions included\; until ctrl\+c]"
   "--qr[print the addresses for the participant and to watch as QR codes, too]"
+  "*--pictures[show all who watch the pictures of this driver\'s camera, and whoever is before it]:DRIVER:"
   "--tablet[show the participant\'s page on the robot\'s own tablet (its verb \`screen\`)]"
   ":session code, such as S02, or socket (default\: the only one that runs)\; with --access\: the robot\'s HOST\:PORT:"
   ":behind \`codes\`, which prints the addresses and codes of a page that runs, and \`new-code\`, which replaces them\: whoever came in by the old ones is out:"

@@ -118,6 +118,13 @@ def add(parser: ArgumentParser) -> None:
         help="print the addresses for the participant and to watch as QR codes, too",
     )
     parser.add_argument(
+        "--pictures",
+        action="append",
+        default=[],
+        metavar="DRIVER",
+        help="show all who watch the pictures of this driver's camera, and whoever is before it",
+    )
+    parser.add_argument(
         "--tablet",
         action="store_true",
         help="show the participant's page on the robot's own tablet (its verb `screen`)",
@@ -208,6 +215,7 @@ async def _pages(
         debrief=arguments.debrief,
         roles=roles,
         begins=arguments.questionnaire,
+        cameras=arguments.pictures,
     )
     control: PageControl | None = None
     teller: SessionTeller | None = None

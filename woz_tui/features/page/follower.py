@@ -10,7 +10,8 @@ from pathlib import Path
 from woz_tui.console.link.host_connection import HostConnection
 from woz_tui.console.link.message_feed import GONE, Incoming, Loss
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.protocol.requests import Reply, Request
+from woz_tui.protocol.camera_pictures import PictureShown
+from woz_tui.protocol.requests import AskPicture, Reply, Request
 from woz_tui.system.clock import Clock, RealClock
 
 #: Seconds after which no reply is waited for any more.
@@ -54,7 +55,7 @@ class SessionFollower:
         self._feed = HostConnection(
             path, role=role, name=name, explain=explain, clock=self._clock, unattended=True
         )
-        self._waiting: dict[int, asyncio.Future[Reply]] = {}
+        self._waiting: dict[int, asyncio.Future[Reply | PictureShown]] = {}
         self._loop = asyncio.get_running_loop()
 
     @property
@@ -73,11 +74,20 @@ class SessionFollower:
 
     async def ask(self, request: Request) -> Reply:
         """The session's answer; a refusal where none can come."""
+        answer = await self._asked(request)
+        return answer if isinstance(answer, Reply) else Reply(ref=0, ok=False, reason=GONE)
+
+    async def picture(self, request: AskPicture) -> PictureShown | None:
+        """A camera's picture; None: there is none."""
+        answer = await self._asked(request)
+        return answer if isinstance(answer, PictureShown) and answer.data else None
+
+    async def _asked(self, request: Request) -> Reply | PictureShown:
         gone = Reply(ref=0, ok=False, reason=GONE)
         if self.state.lost or not self.state.welcomed:
             return gone
         ref = self._feed.ask(request)
-        answer: asyncio.Future[Reply] = self._loop.create_future()
+        answer: asyncio.Future[Reply | PictureShown] = self._loop.create_future()
         self._waiting[ref] = answer
         try:
             async with asyncio.timeout(_REPLY_S):
@@ -105,7 +115,7 @@ class SessionFollower:
         except Exception as error:  # noqa: BLE001 - a page without this news is better than none
             self._failed("following the session", error)
         for message in batch:
-            if isinstance(message, Reply):
+            if isinstance(message, Reply | PictureShown):
                 self._answer(message.ref, message)
             self._heard(message)
         self.news.set()
@@ -116,7 +126,7 @@ class SessionFollower:
             self._answer(ref, Reply(ref=ref, ok=False, reason=GONE))
         self.news.set()
 
-    def _answer(self, ref: int, reply: Reply) -> None:
+    def _answer(self, ref: int, reply: Reply | PictureShown) -> None:
         answer = self._waiting.get(ref)
         if answer is not None and not answer.done():
             answer.set_result(reply)

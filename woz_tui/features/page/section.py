@@ -17,7 +17,7 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import FeatureSection, FileContents
 from woz_tui.config.problems import quoted
 from woz_tui.config.reload_changes import changed_settings
-from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.config.yaml_cursor import Cursor, texts_of
 from woz_tui.drivers.fields import Doc, NotEmpty, OneOf, Path, Unique
 from woz_tui.features.page.visitors import PageRole
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES
@@ -57,6 +57,11 @@ class PageSettings:
     questionnaire: Annotated[
         str, Doc("begins by itself when the participant opens the page: its name")
     ] = ""
+    pictures: Annotated[
+        tuple[str, ...],
+        Unique(),
+        Doc("drivers whose camera's pictures all see who watch; none unless they are named"),
+    ] = ()
     tablet: Annotated[bool, Doc("the robot's own tablet shows the participant's page")] = False
 
 
@@ -93,6 +98,8 @@ class PageSection(FeatureSection[PageSettings | None]):
                 " and its key encrypt, `plain: true` says that this is meant, in a network of"
                 " your own"
             )
+        if settings.pictures:
+            keys["pictures"].warning("whoever watches the page sees who is before the camera")
         return settings
 
     def check(self, experiment: Experiment, table: Mapping[str, Cursor]) -> None:
@@ -103,6 +110,11 @@ class PageSection(FeatureSection[PageSettings | None]):
             entry = dict(table["page"].entries())["questionnaire"]
             near = entry.report.hint(name, asked, or_list="questionnaires are")
             entry.error(f"there is no questionnaire {quoted(name)}{near}")
+        drivers = [each.name for each in experiment.drivers]
+        for entry, camera in texts_of(_pictures(table)) if settings is not None else ():
+            if camera not in drivers:
+                near = entry.report.hint(camera, drivers, or_list="drivers are")
+                entry.error(f"there is no driver {quoted(camera)}{near}")
 
     def trained(self, section: PageSettings | None) -> PageSettings | None:
         return None  # nobody takes part in one
@@ -117,6 +129,10 @@ class PageSection(FeatureSection[PageSettings | None]):
             yield "page", f"`woz page` at {settings.at}, {how}: {', '.join(settings.for_)}"
 
 
+def _pictures(table: Mapping[str, Cursor]) -> Cursor | None:
+    return dict(table["page"].entries()).get("pictures")
+
+
 def command_line(settings: PageSettings) -> str:
     """The command of `woz` that opens such pages, without the session."""
     words = ["page", "--at", settings.at]
@@ -128,6 +144,8 @@ def command_line(settings: PageSettings) -> str:
     if settings.certificate:
         words += ["--certificate", settings.certificate, "--key", settings.key]
     words += ["--questionnaire", settings.questionnaire] if settings.questionnaire else []
+    for camera in settings.pictures:
+        words += ["--pictures", camera]
     words += ["--tablet"] if settings.tablet else []
     return shlex.join(words)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import ssl
-from collections.abc import Awaitable, Callable, Collection
+from collections.abc import Awaitable, Callable, Collection, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -25,6 +25,7 @@ from woz_tui.features.page.failures import Failures
 from woz_tui.features.page.follower import SessionFollower
 from woz_tui.features.page.html import ASSETS, asset, code_form, say
 from woz_tui.features.page.news import News, within
+from woz_tui.features.page.pictures import WatchedPictures
 from woz_tui.features.page.same_page import (
     SECURITY_HEADERS,
     is_own_form,
@@ -76,6 +77,7 @@ class PageServer:
         roles: In which browsers can come in.
         begins: The questionnaire that begins by itself when the participant opens the page; empty:
             none does.
+        cameras: Drivers whose pictures all see who watch.
     """
 
     def __init__(
@@ -90,6 +92,7 @@ class PageServer:
         debrief: bool = False,
         roles: Collection[PageRole] = tuple(PageRole),
         begins: str = "",
+        cameras: Sequence[str] = (),
     ) -> None:
         clock = clock or RealClock()
         self.failures = Failures(tell)
@@ -97,6 +100,7 @@ class PageServer:
             session, "watcher", explain, clock, name=name, failed=self.failures.tell
         )
         self.visitors = Visitors(self._tell_class, clock, roles)
+        self._pictures = WatchedPictures(self.watching, cameras, clock)
         #: Called when the class has another code.
         self.on_class_code: Callable[[], None] = _nothing
         self._session, self._tell, self._debriefs = session, tell, debrief
@@ -199,6 +203,7 @@ class PageServer:
             web.get("/join/{code}", self._join),
             web.get("/watch", self._watch),
             web.get("/watch/news", self._watch_news),
+            web.get(r"/watch/picture/{place:\d{1,3}}", self._watch_picture),
             web.get("/watch/debrief", self._debrief),
             web.get("/answer", self._answer),
             web.post("/answer", self._answered),
@@ -280,7 +285,18 @@ class PageServer:
     async def _watch(self, request: web.Request) -> web.Response:
         if self._browser(request, PageRole.WATCH) is None:
             return _html(code_form("A code is needed to watch."), 403)
-        return _html(watch_page(self._view(), big="big" in request.query))
+        cameras = self._pictures.cameras
+        return _html(watch_page(self._view(), big="big" in request.query, cameras=cameras))
+
+    async def _watch_picture(self, request: web.Request) -> web.Response:
+        if self._browser(request, PageRole.WATCH) is None:
+            return _refused(403, "Not here", "A code is needed to watch.")
+        try:
+            camera = self._pictures.cameras[int(request.match_info["place"])]
+            picture = await self._pictures.newest(camera)
+        except LookupError as error:
+            return _refused(404, "Not here", str(error))
+        return web.Response(body=picture, content_type="image/png")
 
     async def _watch_news(self, request: web.Request) -> web.StreamResponse:
         if self._browser(request, PageRole.WATCH) is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from woz_tui.analysis.html.markup import Markup, isolated, tag
@@ -12,8 +13,8 @@ from woz_tui.features.page.watch_view import View
 _AGAIN_S = 3
 
 
-def watch_page(view: View, *, big: bool = False) -> str:
-    """The page as it is at this moment; `big`: for a projector."""
+def watch_page(view: View, *, big: bool = False, cameras: Sequence[str] = ()) -> str:
+    """The page as it is at this moment; `big`: for a projector; with pictures of these cameras."""
     told = [_place("p", view, name) for name in ("trial", "phase", "plays")]
     now = tag("p", tag("time", view["time"], id="time"), " ", tag("span", "of the session"))
     head = tag("header", _place("h1", view, "title"), tag("div", told, now, class_="told"))
@@ -36,6 +37,10 @@ def watch_page(view: View, *, big: bool = False) -> str:
                 tag("h2", "Now"),
                 _place("p", view, "engagement", aria_live="polite"),
                 tag("ul", map(_meter, view["meters"]), id="meters"),
+                [
+                    tag("img", src=f"/watch/picture/{place}", alt=f"Picture of {camera}")
+                    for place, camera in enumerate(cameras)
+                ],
                 aria_label="Now",
             ),
             tag(

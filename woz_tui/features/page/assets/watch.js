@@ -73,6 +73,17 @@ function show(news) {
   }
 }
 
+// Cameras' pictures, while somebody sees them; one that has not come yet is not asked for again.
+const PICTURE_MS = 2000;
+for (const picture of document.querySelectorAll("img")) {
+  const address = picture.getAttribute("src");
+  setInterval(() => {
+    if (document.visibilityState === "visible" && picture.complete) {
+      picture.src = `${address}?${Date.now()}`;
+    }
+  }, PICTURE_MS);
+}
+
 const source = new EventSource("/watch/news");
 source.onmessage = (message) => {
   const news = JSON.parse(message.data);

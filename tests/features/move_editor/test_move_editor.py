@@ -89,6 +89,22 @@ frames:
 """
 
 
+def rendered_as_previewed(
+    rig: EditorRig, capsys: pytest.CaptureFixture[str]
+) -> list[dict[str, float]]:
+    """What is saved renders to the samples of the preview."""
+    capsys.readouterr()
+    assert main(["render", str(rig.file), "--robot", str(rig.robot)]) == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    shown = [
+        {name: round(angle, 9) for name, angle in tick.joints.items()}
+        for tick in rig.app.preview.ticks
+    ]
+    assert [line["joints"] for line in lines] == shown
+    return shown
+
+
+@pytest.mark.toolkit("X3")
 @pytest.mark.parametrize("size", [(80, 24), (100, 36)])
 def test_a_nod_from_nothing(
     tmp_path: Path, size: tuple[int, int], capsys: pytest.CaptureFixture[str]
@@ -106,14 +122,7 @@ def test_a_nod_from_nothing(
         (0.3, {"nod": 20.0}),
         (0.6, {"nod": 0.0}),
     ]
-    # What is saved renders to the samples of the preview.
-    assert main(["render", str(rig.file), "--robot", str(rig.robot)]) == 0
-    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    shown = [
-        {name: round(angle, 9) for name, angle in tick.joints.items()}
-        for tick in rig.app.preview.ticks
-    ]
-    assert [line["joints"] for line in lines] == shown
+    shown = rendered_as_previewed(rig, capsys)
     assert max(pose["top"] for pose in shown) == pytest.approx(50, abs=1)
 
 
@@ -128,6 +137,7 @@ def test_a_frame_that_joints_do_not_reach_is_marked_while_it_is_made(tmp_path: P
     play(tmp_path, story)
 
 
+@pytest.mark.toolkit("X3")
 def test_everything_can_be_undone_and_done_again(tmp_path: Path) -> None:
     moves: list[KeyframeMove] = []
 
@@ -160,6 +170,7 @@ def test_everything_can_be_undone_and_done_again(tmp_path: Path) -> None:
     play(tmp_path, story, WRITTEN)
 
 
+@pytest.mark.toolkit("X3")
 def test_frames_are_moved_alone_or_with_all_behind_and_never_past_another(tmp_path: Path) -> None:
     def places(rig: EditorRig) -> list[float]:
         return [frame.at for frame in rig.move.layers[0].frames]
@@ -177,6 +188,7 @@ def test_frames_are_moved_alone_or_with_all_behind_and_never_past_another(tmp_pa
     play(tmp_path, story, WRITTEN)
 
 
+@pytest.mark.toolkit("X3")
 def test_a_frame_put_between_two_leaves_a_linear_way_as_it_was(tmp_path: Path) -> None:
     async def story(rig: EditorRig) -> None:
         before = [rig.move.at(place / 50).roles for place in range(40)]
@@ -188,6 +200,7 @@ def test_a_frame_put_between_two_leaves_a_linear_way_as_it_was(tmp_path: Path) -
     play(tmp_path, story, WRITTEN)
 
 
+@pytest.mark.toolkit("X3")
 def test_it_plays_by_the_clock_and_escape_stops_it_and_stays(tmp_path: Path) -> None:
     async def story(rig: EditorRig) -> None:
         assert rig.pilot is not None
@@ -284,9 +297,10 @@ async def seconds_pass(rig: EditorRig, seconds: float, step: float = 0.1) -> Non
         await rig.pilot.pause()
 
 
+@pytest.mark.toolkit("X2")
 @pytest.mark.parametrize("size", [(80, 24), (100, 36)])
 def test_a_take_is_made_onto_a_new_layer_while_the_others_play(
-    tmp_path: Path, size: tuple[int, int]
+    tmp_path: Path, size: tuple[int, int], capsys: pytest.CaptureFixture[str]
 ) -> None:
     async def story(rig: EditorRig) -> None:
         await rig.press("r")
@@ -313,6 +327,7 @@ def test_a_take_is_made_onto_a_new_layer_while_the_others_play(
     [take] = [layer for layer in rig.saved.layers if layer.name == "take-1"]
     assert take.samples is not None
     assert any(values[-1] != 0 for values in take.samples.joints.values())
+    rendered_as_previewed(rig, capsys)
     for tick in rig.app.preview.ticks:
         for name, joint in rig.target.spec.settings.joints.items():
             assert joint.min <= tick.joints[name] <= joint.max
@@ -389,6 +404,7 @@ async def until(rig: EditorRig, holds: Callable[[], bool]) -> None:
             await rig.pilot.pause(0.01)
 
 
+@pytest.mark.toolkit("X3", "E4")
 @pytest.mark.safety
 @pytest.mark.real_clock
 def test_an_edit_plays_on_the_body_of_a_session_under_its_stop(tmp_path: Path) -> None:
@@ -457,6 +473,8 @@ def test_a_session_that_is_not_there_is_told(tmp_path: Path) -> None:
             await until(rig, lambda: "no body to play on" in rig.text)
             await rig.press("P")
             assert "not there" in rig.text
+            await rig.press("escape")
+            await until(rig, lambda: "its console has the stop" in rig.text)
 
     asyncio.run(whole())
 

@@ -84,10 +84,14 @@ class SessionBody:
             self._tell(f"{self._driver}: {error}")
 
     async def stop(self) -> None:
-        """Press the session's stop."""
-        if self._client is not None:
-            with contextlib.suppress(WozError):
-                await self._client.stop()
+        """Press the session's stop; what became of it is told as it comes."""
+        if self._client is None:
+            self._tell("the session is not there: its console has the stop")
+            return
+        try:
+            await self._client.stop()
+        except WozError as error:
+            self._tell(f"the stop may not have come: {error}")
 
     async def release(self) -> None:
         """Release it, where all have confirmed it."""

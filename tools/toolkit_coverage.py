@@ -73,8 +73,11 @@ STATEMENTS: dict[str, str] = {
     "U3": "profiles lock or hide what a wizard shall not use",
     "U4": "ten minutes without a hand: alive, and no drift",
     "U5": "hours of random input: memory flat, ticks in time",
+    "X1": "one control moves several things that have no joint in common, within all limits",
     "X2": "layers recorded one over the other replay in step; each can be muted and redone",
     "X3": "key frames can be made, moved and deleted; files replay exactly",
+    "X4": "a 6-D mouse, a Wii remote and a motion sensor play it, and let go is at rest",
+    "X5": "each emotion has its sound, intensity changes it, and it can be muted",
 }
 #: Nobody can test these.
 MATTERS_OF_TASTE = frozenset({"F8"})

@@ -262,6 +262,7 @@ def utter(**args: Json) -> BusJob:
     return BusJob("utter", {"seconds": 0.5, "intensity": 1.0, "voice": "notes", "seed": 3, **args})
 
 
+@pytest.mark.toolkit("X5")
 async def test_a_mood_is_heard_at_the_volume_and_told(rig: SpeechRig) -> None:
     driver = await rig.open()
     job = utter(valence=0.9, arousal=0.4)
@@ -272,8 +273,11 @@ async def test_a_mood_is_heard_at_the_volume_and_told(rig: SpeechRig) -> None:
     assert job.announced == [0.5]
     await driver.perform(BusJob("volume", {"level": 0.5}))
     await driver.perform(utter(valence=0.9, arousal=0.4))
-    loud, soft = (float(str(line["peak"])) for line in rig.journal_entries("play"))
+    await driver.perform(BusJob("volume", {"level": 0.0}))
+    await driver.perform(utter(valence=0.9, arousal=0.4))
+    loud, soft, mute = (float(str(line["peak"])) for line in rig.journal_entries("play"))
     assert soft == pytest.approx(loud / 2, abs=2)
+    assert mute == 0
 
 
 async def test_a_stop_ends_a_sound_and_shuts_the_mouth(rig: SpeechRig) -> None:

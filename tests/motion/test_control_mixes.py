@@ -25,6 +25,7 @@ MIXED = replace(
 )
 
 
+@pytest.mark.toolkit("X1")
 def test_a_control_moves_roles_and_eyes_by_their_shares() -> None:
     rig = Rig(MIXED)
     before = dict(rig.run(0.5)[-1].joints)
@@ -40,6 +41,7 @@ def test_a_control_moves_roles_and_eyes_by_their_shares() -> None:
     assert places["eye-y"] == pytest.approx(0.5 + 0.3 * 0.1)
 
 
+@pytest.mark.toolkit("X1")
 def test_in_its_middle_it_leaves_everything_where_it_was() -> None:
     rig = Rig(MIXED)
     before = dict(rig.run(0.5)[-1].joints)
@@ -49,6 +51,7 @@ def test_in_its_middle_it_leaves_everything_where_it_was() -> None:
     assert rig.run(1.0)[-1].joints == pytest.approx(before)
 
 
+@pytest.mark.toolkit("X1")
 def test_the_joints_of_one_stop_together_where_the_first_is_at_its_end() -> None:
     rig = Rig(replace(STILL, controls={"both": {"middle": 1.0, "top": 1.0}}))
     rig.do("control", control="middle", value=0.5)
@@ -74,7 +77,7 @@ def test_in_a_mode_the_joints_wait_and_the_eyes_are_the_modes() -> None:
     assert rig.engine.state().controls["eye-y"] == eyes
 
 
-@pytest.mark.toolkit("R4")
+@pytest.mark.toolkit("X1", "R4")
 @pytest.mark.parametrize("seed", range(20))
 def test_no_sum_leaves_the_limits(seed: int) -> None:
     """Whatever is turned, aimed and mixed: the pose wanted and every place stay inside."""
@@ -101,6 +104,7 @@ def test_no_sum_leaves_the_limits(seed: int) -> None:
         assert all(0.0 <= mix.place <= 1.0 for mix in desired.mixes.values())
 
 
+@pytest.mark.toolkit("X1")
 @pytest.mark.parametrize("seed", range(20))
 def test_other_controls_at_rest_change_zoom_by_no_bit(seed: int) -> None:
     dice = random.Random(seed)

@@ -87,6 +87,7 @@ def rounded(emotion: str, intensity: float = 1.0) -> tuple[float, float]:
     return round(valence, 3), round(arousal, 3)
 
 
+@pytest.mark.toolkit("X5")
 def test_it_follows_what_the_face_was_told_last(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         assert place(await send(rig, "utter")) == (0, 0)
@@ -140,6 +141,7 @@ def test_an_emotion_of_its_own_or_a_mood_in_numbers_is_kept(tmp_path: Path) -> N
     feeling(tmp_path, scenario)
 
 
+@pytest.mark.toolkit("X5")
 def test_each_robot_sounds_like_its_own_face(tmp_path: Path) -> None:
     async def scenario(rig: SessionRig) -> None:
         await send(rig, "emotion", "ada.face", emotion="angry")
@@ -163,6 +165,7 @@ def test_seeds_come_from_that_of_the_session(tmp_path: Path) -> None:
     assert len({*map(str, seeds[0])}) == 3
 
 
+@pytest.mark.toolkit("X5")
 def test_a_re_run_sounds_the_same_whatever_the_face_looks_like(tmp_path: Path) -> None:
     async def recorded(rig: SessionRig) -> None:
         await send(rig, "emotion", emotion="happy")

@@ -197,6 +197,18 @@ def test_the_show_is_played_to_its_end_by_two_robots(tmp_path: Path) -> None:
         *((scene, "tune.wav") for scene in ("Music", "Joy dances", "Crash", "Together")),
         ("Crash", "run-down.wav"),
     }
+    # What they utter goes with their faces, and the log has it for a re-run; mixes move the body.
+    uttered = [line for line in rig.of(m.Command) if line.verb == "utter"]
+    assert [line.action for line in uttered] == ["Music", "Grim objects", "Shock", "Revival"]
+    assert all(isinstance(line.args["seed"], int) for line in uttered)
+    music, angry, shock, happy = (
+        (float(str(line.args["valence"])), float(str(line.args["arousal"]))) for line in uttered
+    )
+    assert music[1] > 0 and shock[1] > music[1]  # amazed, the second time wholly
+    assert angry[0] < 0 < happy[0]
+    mixes = [line.args["control"] for line in rig.of(m.Command) if line.verb == "control"]
+    assert mixes == ["curious", "curious", "timid", "curious", "curious", "timid"]
+    assert not rig.kinds(m.Refused, m.Failed)
     for robot, name in (("joy", "joint.pitch"), ("grim", "joint.pitch")):
         turned = rig.values(f"{robot}.{name}")
         assert max(turned) - min(turned) > 20

@@ -50,6 +50,7 @@ def last(rig: HandsRig) -> dict[str, Json]:
     return rig.new_requests()[-1][2]
 
 
+@pytest.mark.toolkit("X4")
 def test_a_push_moves_it_on_and_rest_leaves_it_there() -> None:
     async def scene(rig: HandsRig) -> None:
         await rig.hold_for(1.0, turn_y=1, turn_x=0.5, button_1=1)
@@ -66,6 +67,7 @@ def test_a_push_moves_it_on_and_rest_leaves_it_there() -> None:
     play(scene)
 
 
+@pytest.mark.toolkit("X4")
 def test_without_the_dead_mans_button_nothing_moves() -> None:
     async def scene(rig: HandsRig) -> None:
         await rig.hold_for(1.0, turn_y=1)
@@ -90,6 +92,7 @@ def test_a_hand_that_is_not_heard_any_more_moves_nothing() -> None:
     play(scene)
 
 
+@pytest.mark.toolkit("X4")
 def test_the_stop_ends_it_until_the_hand_was_at_rest() -> None:
     async def scene(rig: HandsRig) -> None:
         await rig.hold_for(0.5, turn_y=1, button_1=1)
@@ -130,6 +133,7 @@ def test_a_refusal_is_told_once_and_counts_until_it_is_let_go() -> None:
     play(scene)
 
 
+@pytest.mark.toolkit("X4")
 @pytest.mark.parametrize("seed", range(8))
 def test_no_hand_leaves_the_range(seed: int) -> None:
     """Whatever is pushed for however long."""

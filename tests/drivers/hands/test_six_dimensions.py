@@ -73,6 +73,7 @@ AXES = ("push-x", "push-y", "push-z", "turn-x", "turn-y", "turn-z")
 # -- a 6-D mouse by spacenavd ----------------------------------------------------------------------
 
 
+@pytest.mark.toolkit("X4")
 async def test_spacenavd_tells_six_axes_and_the_buttons(
     tmp_path: Path, nothing_else: InputDevices
 ) -> None:
@@ -249,6 +250,7 @@ def lean(sensor: EventDevicePort, roll: float, pitch: float) -> None:
     sensor.say((ABS, 3, round(x)), (ABS, 4, round(y)), (ABS, 5, round(z)))
 
 
+@pytest.mark.toolkit("X4")
 async def test_a_wii_remote_has_buttons_and_is_tilted(nothing_else: InputDevices) -> None:
     buttons = nothing_else.plug("Nintendo Wii Remote", "left")
     nothing_else.plug("Nintendo Wii Remote Accelerometer", "another")
@@ -272,6 +274,7 @@ async def test_a_wii_remote_has_buttons_and_is_tilted(nothing_else: InputDevices
 # -- a motion sensor by lines ----------------------------------------------------------------------
 
 
+@pytest.mark.toolkit("X4")
 async def test_a_sensor_turns_from_where_its_clutch_was_pressed(tmp_path: Path) -> None:
     sensor = PluggedDevice(tmp_path / "ttyUSB0")
     watched = Watched(sensor.port)

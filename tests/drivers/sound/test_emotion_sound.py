@@ -36,6 +36,7 @@ def measures(valence: float, arousal: float, seed: int) -> SoundMeasures:
     return measured(emotion_sound(valence, arousal, 3.0, seed))
 
 
+@pytest.mark.toolkit("X5")
 def test_the_same_mood_length_and_seed_are_the_same_samples() -> None:
     assert sound("happy") == sound("happy")
     assert sound("happy", seed=8) != sound("happy")
@@ -78,6 +79,7 @@ def test_the_mode_is_minor_below_the_middle_and_major_from_there_on() -> None:
     assert [cues(valence, 0.0).third for valence in (-1.0, -0.01, 0.0, 1.0)] == [3, 3, 4, 4]
 
 
+@pytest.mark.toolkit("X5")
 def test_six_emotions_are_six_sounds() -> None:
     made = {name: measured(sound(name)) for name in DIRECTIONS}
     ordered = sorted(made, key=lambda name: made[name].notes)
@@ -85,6 +87,17 @@ def test_six_emotions_are_six_sounds() -> None:
     for one, other in itertools.combinations(made.values(), 2):
         far = abs(one.rise - other.rise) > 1 or abs(one.notes - other.notes) > 0.3
         assert far, (one, other)
+
+
+@pytest.mark.toolkit("X5")
+@pytest.mark.parametrize("emotion", [*DIRECTIONS])
+def test_intensity_leads_from_neutral_to_the_whole_emotion(emotion: str) -> None:
+    def made(intensity: float) -> Wav:
+        return emotion_sound(*mood({"emotion": emotion, "intensity": intensity}), 1.0, 7)
+
+    steps = [made(share) for share in (0.0, 0.5, 1.0)]
+    assert len({step.data for step in steps}) == 3
+    assert made(0.0).data == emotion_sound(*mood({"emotion": "neutral"}), 1.0, 7).data
 
 
 def test_every_cue_names_a_source_that_the_table_has() -> None:

@@ -38,6 +38,7 @@ def sampled(at: Callable[[float], float], seconds: float = 2.0) -> np.ndarray:
     return np.array([at(i * STEP) for i in range(round(seconds / STEP))])
 
 
+@pytest.mark.toolkit("X2")
 @pytest.mark.parametrize("gain", [-1.5, 0.3, 1.0, 2.5])
 @pytest.mark.parametrize("offset", [-12.0, 0.0, 5.0])
 @pytest.mark.parametrize(("late", "faster"), [(0.0, 1.0), (0.2, 1.0), (0.0, 1.15), (-0.1, 0.9)])
@@ -62,6 +63,7 @@ def test_what_stands_still_is_led_elsewhere() -> None:
     assert fitted(np.full(100, 2.0), done, STEP).gain == 1.0
 
 
+@pytest.mark.toolkit("R4")
 @settings(deadline=None, max_examples=many(60))
 @given(
     st.lists(st.floats(-300, 300), min_size=4, max_size=30),

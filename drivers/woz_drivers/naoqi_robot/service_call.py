@@ -46,7 +46,10 @@ _DRIVING = frozenset(
     {
         *("almotion.moveto", "almotion.walkto", "albehaviormanager.runbehavior"),
         *("alnavigation.navigateto", "alnavigation.navigatetoinmap", "alnavigation.movealong"),
-        *("alnavigation.explore", "alnavigation.findfreezone"),
+        *("alnavigation.explore", "alnavigation.findfreezone", "allocalization.gotohome"),
+        *("allocalization.gotoposition", "alvisualcompass.moveto"),
+        *("alvisualcompass.movestraightto", "alrecharge.gotostation", "alrecharge.leavestation"),
+        "alrecharge.moveinfrontofstation",
     }
 )
 #: Calls behind which it goes on, with what can be played instead.
@@ -60,7 +63,10 @@ _BEHIND = {
         "play `drive`, or `naoqi_drive: ALMotion.moveTo`",
     ),
     **dict.fromkeys(
-        ("albehaviormanager.startbehavior", "albehaviormanager.switchtobehavior"),
+        (
+            *("albehaviormanager.startbehavior", "albehaviormanager.switchtobehavior"),
+            "alautonomouslife.switchfocus",
+        ),
         "play `naoqi_drive: ALBehaviorManager.runBehavior`, which lasts as long as it does",
     ),
     "albasicawareness.settrackingmode": "play `track`, which ends with its time and with the stop",

@@ -191,6 +191,9 @@ async def test_what_awareness_heeds_is_set_and_read_back(either: RobotRig) -> No
         ("ALBehaviorManager.startBehavior", '["dance"]', "runBehavior"),
         ("ALMotion.moveTo", "[1.0, 0.0, 0.0]", "play `naoqi_drive`"),
         ("ALNavigation.navigateTo", "[1.0, 0.0]", "play `naoqi_drive`"),
+        ("ALRecharge.goToStation", "[]", "play `naoqi_drive`"),
+        ("ALLocalization.goToHome", "[]", "play `naoqi_drive`"),
+        ("ALAutonomousLife.switchFocus", '["dance/behavior"]', "runBehavior"),
     ],
 )
 async def test_no_raw_call_goes_round_who_watches(

@@ -84,7 +84,7 @@ UNLOADED = [
 #: What loads all that a start needs up to its first paint, or its first line; and how many modules
 #: come with it at the most, beyond those of a bare Textual app. Each costs a wizard who waits.
 STARTS = {
-    "console": ("woz_tui.cli.run as run; run.console_start.load_modules()", 194),
+    "console": ("woz_tui.cli.run as run; run.console_start.load_modules()", 196),
     "robot process": ("woz_tui.host.robot_process", 297),
 }
 

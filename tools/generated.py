@@ -25,6 +25,7 @@ from tools import (
     protocol_reference,
     redaction_lists,
     replaced,
+    screen_sentences,
     tables_reference,
     toolkit_coverage,
 )
@@ -57,6 +58,7 @@ FILES: Mapping[str, Callable[[str], str]] = {
     ),
     "docs/images/engagement-states.svg": lambda _: engagement_diagram.svg(),
     "docs/reference/experiment-file.md": lambda _: experiment_reference.page(),
+    "woz_tui/languages/screen/en.yaml": screen_sentences.english_file,
     "docs/reference/modes.md": lambda _: f"{modes_page.markdown()}\n",
     "docs/reference/pepper-coverage.md": lambda _: pepper_coverage.page(),
     "docs/reference/protocol-fields.md": lambda _: protocol_reference.page(),

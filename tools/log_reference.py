@@ -96,6 +96,11 @@ FIELDS: dict[str, tuple[str, str]] = {
     "emotion": ("", "what the face shows"),
     "ended": ("µs", "moment, on the `t` axis, at which it ended"),
     "engaged": ("", "whether the condition of engagement holds"),
+    "wording": (
+        "",
+        "of which sentences its texts are, by field: `code`, and the `values` that are filled in;"
+        " where a text has no code it is left out",
+    ),
     "evidence": ("", "on what it stands that it was done: see the line's description"),
     "expected_us": ("µs", "remaining duration, from this line on"),
     "expects": ("", "correct answers: names of actions"),

@@ -15,6 +15,7 @@ import msgspec
 
 from tests.protocol.feature_examples import feature_examples
 from tests.protocol.study_examples import BEGINNING, COURSE, FILE_SHA
+from woz_tui.gate.table import UNDONE, locked_panel
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -23,6 +24,7 @@ from woz_tui.protocol.camera_pictures import PictureShown
 from woz_tui.protocol.envelope import Answer
 from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.clock import timestamp
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -54,7 +56,13 @@ MESSAGES: tuple[m.Message, ...] = (
     m.DriverConnecting(driver="head", detail="looking for /dev/serial/by-id/usb-U2D2"),
     m.DriverConnected(driver="head", detail="4 servos at 1 Mbit/s"),
     m.RecorderState(level="ok", lag_us=8200, path="2026-03-01T10-00-00_P07_S01.jsonl"),
-    m.Notice(level="warning", text="the disk is slow", remedy="close other programs"),
+    m.Notice(
+        level="warning",
+        text=Sentence(
+            "gate.undone", "{undone} ({why})", undone=UNDONE[r.AskEnd], why="it came too late"
+        ),
+        remedy="close other programs",
+    ),
     m.SessionChanged(condition="cold", trial=2),
     m.ActionsFilled(
         actions={
@@ -121,9 +129,18 @@ MESSAGES: tuple[m.Message, ...] = (
     ),
     m.ActionFailed(run="a00003", action="Nod", reason="c00004: servo 3 overheated"),
     m.Command(command="c00005", verb="drive", args={"x": 1.0}, driver="base", source="program"),
-    m.Refused(command="c00005", driver="base", code="late", reason="it waited 10 s in the queue"),
+    m.Refused(
+        command="c00005",
+        driver="base",
+        code="faulted",
+        reason=Sentence(
+            "gate.faulted",
+            "{driver} does not respond: its last command has not ended",
+            driver="base",
+        ),
+    ),
     m.ActionRequested(run="a00004", action="Map", source="key", key="m"),
-    m.ActionRefused(run="a00004", action="Map", reason="the panel 'Places' is locked"),
+    m.ActionRefused(run="a00004", action="Map", reason=locked_panel("Places").reason),
     m.DriverLost(driver="head", detail="the port vanished", remedy="plug the cable in"),
     m.DriverFaulted(driver="head", detail="servo 3: overheated", remedy="let it cool down"),
     m.Reading(sensor="distance", value=0.83, driver="range", unit="m", raw=831.0),
@@ -516,6 +533,7 @@ def answers() -> list[Answer]:
             ref=5, ok=False, reason="too late: the key was pressed 4.0 s ago", hint="press it again"
         ),
         r.Reply(ref=6, ok=False, reason="no participant is set", command="start"),
+        r.Reply(ref=7, ok=False, reason=locked_panel("Places").reason),
         r.Reply(ref=17, ok=True, data=["Speech: 'Bye' is new"]),
         r.Reply(
             ref=18,

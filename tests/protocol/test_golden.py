@@ -82,6 +82,7 @@ def test_every_field_appears_in_a_golden_line() -> None:
             optional = _OPTIONAL.get(str(tag), set()) | (set() if tag == "action" else _SENT)
             optional |= set() if tag in ("command.requested", "notice") else _TELLS
             names_console = getattr(kind, "names_console", False) or kind is Command
+            optional |= set() if tag in ("command.refused", "notice", "reply") else _WORDING
             optional |= _CONSOLE if names_console and tag != "marker" else set()
             missing = set(kind.__struct_encode_fields__) - seen - optional
             assert not missing, (
@@ -96,6 +97,8 @@ _STAMP: set[str] = {"seq", "t", "ts"}
 _SENT: set[str] = {"sent_us"}
 #: The same field of all messages with words.
 _TELLS: set[str] = {"tells"}
+#: The same field of all that a sentence is refused or told with.
+_WORDING: set[str] = {"wording"}
 #: The same field of all messages that a request brings about.
 _CONSOLE: set[str] = {"console"}
 _END: set[str] = {"reason", "remedy"}

@@ -14,6 +14,7 @@ from textual.app import App
 from textual.driver import Driver
 from textual.screen import Screen
 
+from woz_tui.config.screen_language import worded
 from woz_tui.console.drawing.glyphs import UNICODE
 from woz_tui.console.drawing.partial_update import PartialScreen
 from woz_tui.console.drawing.text_console import TextConsole
@@ -74,7 +75,8 @@ class Inbox:
     def taken(self) -> Iterator[list[Incoming] | Loss]:
         """Take what has come, oldest first."""
         while self._came:
-            yield self._came.popleft()
+            came = self._came.popleft()
+            yield came if isinstance(came, Loss) else [*map(worded, came)]
 
 
 #: Seconds between two paintings: ten a second is as much as an eye and a line can use.

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from woz_tui.protocol.panel_players import PartedPanel
+from woz_tui.protocol.sentence import Sentence
 
 
 class GatedPanel(PartedPanel, Protocol):
@@ -81,6 +82,8 @@ class Facts:
     consents: Collection[tuple[str, str]] = ()
 
 
-def console_of(part: str) -> str:
+def console_of(part: str) -> Sentence:
     """What a sentence calls the console that plays `part`."""
-    return f"the console that plays {part}" if part else "the wizard's console"
+    if part:
+        return Sentence("gate.console_of_part", "the console that plays {part}", part=part)
+    return Sentence("gate.wizards_console", "the wizard's console")

@@ -38,6 +38,7 @@ from woz_tui.protocol.messages import Command, Json
 from woz_tui.protocol.panel_players import panel_players, player_names, verb_players
 from woz_tui.protocol.panels import covers_verb
 from woz_tui.protocol.refusal import Refusal
+from woz_tui.protocol.sentence import Sentence
 
 log = logging.getLogger(__name__)
 
@@ -49,15 +50,27 @@ WATCHER_MAY = (
 #: What is for some roles alone: which, and what others are told. A program does not see the room.
 #: Pictures and live sound are of people, and a program can ask a device itself. Whoever may play
 #: the robot may talk through it.
-FOR_ROLES: dict[type, tuple[tuple[str, ...], str, str]] = {
-    r.AskUnrecorded: (("wizard",), "only a wizard can go on without a record", ""),
+FOR_ROLES: dict[type, tuple[tuple[str, ...], Sentence, str]] = {
+    r.AskUnrecorded: (
+        ("wizard",),
+        Sentence("gate.only_wizard", "only a wizard can go on without a record"),
+        "",
+    ),
     r.AskPicture: (
         ("wizard", "watcher"),
-        "a {role} cannot see camera pictures",
-        "start `woz attach --watch` to see them",
+        Sentence("gate.no_pictures", "only wizards, and who watches, see camera pictures"),
+        Sentence("gate.watch", "start `woz attach --watch` to see them"),
     ),
-    r.AskSound: (("wizard", "watcher"), "a {role} cannot hear the robot's microphone", ""),
-    r.AskTalk: (("wizard", "program"), "a {role} cannot talk through the robot", ""),
+    r.AskSound: (
+        ("wizard", "watcher"),
+        Sentence("gate.no_sound", "only wizards, and who watches, hear the robot's microphone"),
+        "",
+    ),
+    r.AskTalk: (
+        ("wizard", "program"),
+        Sentence("gate.no_talk", "only wizards and programs can talk through the robot"),
+        "",
+    ),
 }
 #: What may be asked while the session ends, as far as this row goes: it has rows of its own, or
 #: moves nothing. Whatever is not named here is refused then.
@@ -70,8 +83,8 @@ WHILE_ENDING = (
 #: What is not done if a request is too old: it would let something move, or mean another thing by
 #: now. Records, and whatever takes away, are taken all the same.
 UNDONE: dict[type, str] = {
-    r.AskUnrecorded: "Not going on without a record",
-    r.AskEnd: "Session not ended",
+    r.AskUnrecorded: Sentence("gate.not_unrecorded", "Not going on without a record"),
+    r.AskEnd: Sentence("gate.not_ended", "Session not ended"),
 }
 #: The same in words, or made of the request.
 Undone = str | Callable[[Any], str]
@@ -82,12 +95,15 @@ SWITCHES = frozenset({"midi", *HAND_DEVICES})
 
 #: Remedies: of a press that came too late, where nobody watches, where only a held key drives,
 #: where nothing is recorded.
-AGAIN = "press it again"
-ATTACH = "attach a wizard's console"
-HOLD = "give it a key of its own and hold that; session: {driving: pressed} takes the risk"
-GO_ON = "go on without a record (a wizard only), or free space for the log"
+AGAIN = Sentence("gate.again", "press it again")
+ATTACH = Sentence("gate.attach", "attach a wizard's console")
+HOLD = Sentence(
+    "gate.hold",
+    "give it a key of its own and hold that; session: {{driving: pressed}} takes the risk",
+)
+GO_ON = Sentence("gate.go_on", "go on without a record (a wizard only), or free space for the log")
 #: Why a key does not drive any more.
-LET_GO = "the key was let go"
+LET_GO = Sentence("gate.let_go", "the key was let go")
 
 
 @cache
@@ -125,9 +141,17 @@ def watches(facts: Facts, asked: ClientRequest) -> Refusal | None:
     if asked.role != "watcher" or isinstance(asked.request, watcher_may()):
         return None
     if asked.vacant:
-        reason = f"this console only watches, and nobody plays {asked.plays}"
+        reason = Sentence(
+            "gate.watches_vacant",
+            "this console only watches, and nobody plays {part}",
+            part=asked.plays,
+        )
         return Refusal("role", reason, command="take_over")
-    reason = f"this console only watches; another console plays {asked.plays}"
+    reason = Sentence(
+        "gate.watches",
+        "this console only watches; another console plays {part}",
+        part=asked.plays,
+    )
     return Refusal("role", reason, asked.take_over)
 
 
@@ -135,18 +159,20 @@ def participates(facts: Facts, asked: ClientRequest) -> Refusal | None:
     """A participant answers questionnaires."""
     if asked.role != "participant" or isinstance(asked.request, participant_may()):
         return None
-    return Refusal("role", "this console can only answer questionnaires")
+    return Refusal(
+        "role", Sentence("gate.participates", "this console can only answer questionnaires")
+    )
 
 
 def not_for_role(facts: Facts, asked: ClientRequest) -> Refusal | None:
     """As `FOR_ROLES` says it."""
-    roles, sentence, remedy = FOR_ROLES.get(type(asked.request), ((asked.role,), "", ""))
-    if asked.role in roles:
-        return None
-    return Refusal("role", sentence.format(role=asked.role), remedy)
+    roles, reason, remedy = FOR_ROLES.get(type(asked.request), ((asked.role,), "", ""))
+    return None if asked.role in roles else Refusal("role", reason, remedy)
 
 
 # -- stop --------------------------------------------------------------------------------------
+
+STOPPED = Sentence("gate.stopped", "the stop is pressed")
 
 
 def stop_pressed_action(facts: Facts, asked: PlayAction) -> Refusal | None:
@@ -154,18 +180,19 @@ def stop_pressed_action(facts: Facts, asked: PlayAction) -> Refusal | None:
     calls = asked.action.calls if asked.action is not None else ()
     if calls and all(call.driver == ENGAGEMENT for call in calls):
         return None
-    return Refusal("stopped", "the stop is pressed", command="release")
+    return Refusal("stopped", STOPPED, command="release")
 
 
 def stop_pressed_later(facts: Facts, asked: SendVerb) -> Refusal | None:
     """A verb for later is refused when it is asked for, one for now on its way into its lane."""
-    return Refusal("stopped", "the stop is pressed") if asked.at else None
+    return Refusal("stopped", STOPPED) if asked.at else None
 
 
 def stop_pressed(facts: Facts, asked: SubmitCommand | DispatchCommand) -> Refusal | None:
     """Nothing reaches a driver until the stop is released."""
     if asked.stoppable:
-        return Refusal("stopped", "the stop is pressed", "release the stop first")
+        release = Sentence("gate.release_first", "release the stop first")
+        return Refusal("stopped", STOPPED, release)
     return None
 
 
@@ -174,15 +201,24 @@ def not_confirmed(facts: Facts, asked: ReleaseStop) -> Refusal | None:
     if missing := ", ".join(name for name in facts.unconfirmed if name not in asked.known):
         return Refusal(
             "unconfirmed",
-            f"the stop is not confirmed by {missing}, which may still move",
-            "look at it, then release the stop at a wizard's console, which asks once more",
+            Sentence(
+                "gate.not_confirmed",
+                "the stop is not confirmed by {missing}, which may still move",
+                missing=missing,
+            ),
+            Sentence(
+                "gate.look_first",
+                "look at it, then release the stop at a wizard's console, which asks once more",
+            ),
         )
     return None
 
 
 def not_stopped(facts: Facts, asked: ReleaseStop) -> Refusal | None:
     """There has to be a stop."""
-    return None if facts.stopped else Refusal("unknown", "the stop is not pressed")
+    if facts.stopped:
+        return None
+    return Refusal("unknown", Sentence("gate.not_stopped", "the stop is not pressed"))
 
 
 # -- ended, stale, unknown -----------------------------------------------------------------------
@@ -190,7 +226,7 @@ def not_stopped(facts: Facts, asked: ReleaseStop) -> Refusal | None:
 
 def ended(facts: Facts, asked: object) -> Refusal:
     """Nothing begins while the session ends."""
-    return Refusal("ended", "the session is ending")
+    return Refusal("ended", Sentence("gate.ending", "the session is ending"))
 
 
 def ended_request(facts: Facts, asked: ClientRequest) -> Refusal | None:
@@ -206,28 +242,37 @@ def too_old(facts: Facts, asked: PlayAction | SendVerb) -> Refusal:
 def too_old_request(facts: Facts, asked: ClientRequest) -> Refusal | None:
     """As `UNDONE` says it."""
     undone = not_done(asked.request)
-    return Refusal("stale", f"{undone} ({asked.stale})", AGAIN) if undone else None
+    return _stale(undone, asked.stale) if undone else None
+
+
+def _stale(undone: str, why: str) -> Refusal:
+    return Refusal(
+        "stale", Sentence("gate.undone", "{undone} ({why})", undone=undone, why=why), AGAIN
+    )
 
 
 def not_done(request: r.Request) -> str:
     """What is not done if `request` is too old; empty: it is done all the same."""
     match request:
         case r.AskLock(panel=panel, locked=False):
-            return f"Panel {panel!r} not unlocked"
+            return Sentence("gate.not_unlocked", "Panel {panel!r} not unlocked", panel=panel)
         case r.AskMistake(run=""):
-            return "Last action not marked as a mistake"
+            return Sentence("gate.not_marked", "Last action not marked as a mistake")
     undone = _undone().get(type(request), "")
     return undone(request) if callable(undone) else undone
 
 
 def too_old_release(facts: Facts, asked: ReleaseStop) -> Refusal:
     """A release lets things move again."""
-    return Refusal("stale", f"Stop not released ({asked.stale})", AGAIN)
+    return _stale(Sentence("gate.not_released", "Stop not released"), asked.stale)
 
 
 def no_such_action(facts: Facts, asked: PlayAction) -> Refusal | None:
     """The file has to have it."""
-    return None if asked.action else Refusal("unknown", f"there is no action {asked.name!r}")
+    if asked.action:
+        return None
+    reason = Sentence("gate.no_action", "there is no action {action!r}", action=asked.name)
+    return Refusal("unknown", reason)
 
 
 def no_such_verb(facts: Facts, asked: SendVerb | SendOwnVerb) -> Refusal | None:
@@ -257,7 +302,13 @@ def another_plays_action(facts: Facts, asked: PlayAction) -> Refusal | None:
     found = panel_players(panel, facts.panels, players)
     if console in found:
         return None
-    return Refusal("part", f"the panel {title!r} is played by {player_names(found, players)}")
+    reason = Sentence(
+        "gate.panel_of_part",
+        "the panel {panel!r} is played by {players}",
+        panel=title,
+        players=player_names(found, players),
+    )
+    return Refusal("part", reason)
 
 
 def another_plays_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
@@ -274,7 +325,13 @@ def _not_played(
     found = verb_players(verb, facts.panels, players, driver)
     if console in found:
         return None
-    return Refusal("part", f"{verb!r} is played by {player_names(found, players)}")
+    reason = Sentence(
+        "gate.verb_of_part",
+        "{verb!r} is played by {players}",
+        verb=verb,
+        players=player_names(found, players),
+    )
+    return Refusal("part", reason)
 
 
 def _players(facts: Facts, asked: PlayAction | SendVerb) -> dict[str, str]:
@@ -292,7 +349,8 @@ def locked_action(facts: Facts, asked: PlayAction) -> Refusal | None:
     if asked.action is None:
         return None
     if asked.action.locked:
-        return Refusal("locked", f"{asked.name!r} is locked", "the experiment file locks it")
+        by_file = Sentence("gate.locked_by_file", "the experiment file locks it")
+        return Refusal("locked", _locked(asked.name), by_file)
     panel = asked.action.panel
     if not facts.locked.get(panel, False):
         return None
@@ -301,17 +359,23 @@ def locked_action(facts: Facts, asked: PlayAction) -> Refusal | None:
 
 def locked_panel(panel: str, when: str = "") -> Refusal:
     """What is said of an action of a locked panel. `when`: while what it is."""
-    reason = f"the panel {panel!r} is locked" + (f" {when}" if when else "")
+    reason = Sentence("gate.panel_locked", "the panel {panel!r} is locked", panel=panel)
+    if when:
+        reason = Sentence("gate.when", "{what} {when}", what=reason, when=when)
     return Refusal("locked", reason, _unlock(panel), "find")
+
+
+def _locked(action: str) -> Sentence:
+    return Sentence("gate.locked", "{action!r} is locked", action=action)
 
 
 def locked_effect(facts: Facts, asked: PlayEffect) -> Refusal | None:
     """A lock holds for the robot itself, a profile does not."""
     if asked.action.locked:
-        return Refusal("locked", f"{asked.name!r} is locked")
-    return (
-        Refusal("locked", "its panel is locked") if facts.locked.get(asked.action.panel) else None
-    )
+        return Refusal("locked", _locked(asked.name))
+    if not facts.locked.get(asked.action.panel):
+        return None
+    return Refusal("locked", Sentence("gate.its_panel_locked", "its panel is locked"))
 
 
 def locked_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
@@ -319,14 +383,19 @@ def locked_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
     for panel in facts.panels:
         locked = facts.locked.get(panel.title, panel.locked)
         if locked and covers_verb(panel.covers, asked.verb, asked.driver):
-            reason = f"the panel {panel.title!r} is locked, and with it {asked.verb!r}"
+            reason = Sentence(
+                "gate.verb_locked",
+                "the panel {panel!r} is locked, and with it {verb!r}",
+                panel=panel.title,
+                verb=asked.verb,
+            )
             return Refusal("locked", reason, _unlock(panel.title), "find")
     return None
 
 
-def _unlock(panel: str) -> str:
+def _unlock(panel: str) -> Sentence:
     """What a wizard looks for."""
-    return f"find 'Unlock {panel}'"
+    return Sentence("gate.unlock", "find 'Unlock {panel}'", panel=panel)
 
 
 def takes_hands_off(verb: str, args: Mapping[str, Json]) -> bool:
@@ -361,11 +430,22 @@ def no_moment(facts: Facts, asked: PlayAction | SendVerb) -> Refusal | None:
     """What is asked for a moment has to reach it."""
     late_us = facts.now - asked.at
     if abs(late_us) > FURTHEST_US:
-        return Refusal("late", "the moment is more than a day away")
+        far = Sentence("gate.far_away", "the moment is more than a day away")
+        return Refusal("late", far)
     if late_us > 0:
-        return Refusal("late", f"too late: it was to begin {late_us / 1_000_000:.3f} s ago")
+        late = Sentence(
+            "gate.too_late",
+            "too late: it was to begin {seconds:.3f} s ago",
+            seconds=late_us / 1_000_000,
+        )
+        return Refusal("late", late)
     if facts.scheduled >= MOST_SCHEDULED:
-        return Refusal("late", f"{MOST_SCHEDULED} requests wait for their moment already")
+        many = Sentence(
+            "gate.many_wait",
+            "{count} requests wait for their moment already",
+            count=MOST_SCHEDULED,
+        )
+        return Refusal("late", many)
     return None
 
 
@@ -373,10 +453,13 @@ def key_counts_once(facts: Facts, asked: PlayAction) -> Refusal | None:
     """A key that is held, or struck again, says nothing twice."""
     if asked.action is None:
         return None
-    reason = f"{asked.action.label!r} {asked.under_way} already"
+    action = asked.action.label
     if asked.under_way == "waits":
-        return Refusal("busy", reason, "empty the queue", "queue_empty")
-    return Refusal("busy", reason, "interrupt it", "cut")
+        waits = Sentence("gate.waits", "{action!r} waits already", action=action)
+        empty = Sentence("gate.empty_queue", "empty the queue")
+        return Refusal("busy", waits, empty, "queue_empty")
+    running = Sentence("gate.running", "{action!r} is running already", action=action)
+    return Refusal("busy", running, Sentence("gate.interrupt", "interrupt it"), "cut")
 
 
 # -- arguments, driving, consent, lane -----------------------------------------------------------
@@ -407,17 +490,32 @@ def not_watched(facts: Facts, asked: SubmitCommand | DispatchCommand) -> Refusal
     part = driving.part
     watching = [each for each in driving.watchers if part in (None, each.part)]
     if part is not None and not watching:
-        reason = f"{console_of(part)} is not attached, or does not respond"
+        reason = Sentence(
+            "gate.not_attached",
+            "{console} is not attached, or does not respond",
+            console=console_of(part),
+        )
         return Refusal("unwatched", reason, ATTACH)
     held = [each for each in watching if each.held]
     own = any(each.console == driving.console for each in held)
     if own and command.source == "key" and command.key:
         if (driving.console, command.key) in driving.keys:
             return None
-        return Refusal("unwatched", LET_GO, "hold the key as long as it is to drive")
+        keep = Sentence("gate.hold_key", "hold the key as long as it is to drive")
+        return Refusal("unwatched", LET_GO, keep)
     if held and len(held) == len(watching) and command.source not in SWITCHES:
-        line = f", inside {held[0].line}," if held[0].line else ""
-        reason = f"{console_of(held[0].part)}{line} drives only while a key is held"
+        console, line = console_of(held[0].part), held[0].line
+        if line:
+            reason = Sentence(
+                "gate.held_inside",
+                "{console}, inside {line}, drives only while a key is held",
+                console=console,
+                line=line,
+            )
+        else:
+            reason = Sentence(
+                "gate.held", "{console} drives only while a key is held", console=console
+            )
         return Refusal("unwatched", reason, HOLD)
     return None
 
@@ -429,14 +527,25 @@ def without_consent(facts: Facts, asked: DispatchCommand) -> Refusal | None:
     if asked.gives and not _is_from_person(asked.command):
         return Refusal(
             "consent",
-            "no person has given this consent",
-            f"let the wizard play a step `{FACE_CONSENT_VERB}: NAME` of the experiment file",
+            Sentence("gate.no_consent", "no person has given this consent"),
+            Sentence(
+                "gate.let_consent",
+                "let the wizard play a step `{verb}: NAME` of the experiment file",
+                verb=FACE_CONSENT_VERB,
+            ),
         )
     if asked.verb.needs_consent and asked.person not in facts.consents:
         return Refusal(
             "consent",
-            "this person has not consented to having their face learnt",
-            f"ask them, then play a step `{FACE_CONSENT_VERB}: NAME`, with the same name",
+            Sentence(
+                "gate.face_unconsented",
+                "this person has not consented to having their face learnt",
+            ),
+            Sentence(
+                "gate.ask_consent",
+                "ask them, then play a step `{verb}: NAME`, with the same name",
+                verb=FACE_CONSENT_VERB,
+            ),
         )
     return None
 
@@ -452,8 +561,15 @@ def faulted_lane(facts: Facts, asked: SubmitCommand) -> Refusal:
     """A lane whose last job goes on in spite of its end takes nothing."""
     return Refusal(
         "faulted",
-        f"{asked.command.driver} does not respond: its last command has not ended",
-        "wait until it responds, or end the session and check the device",
+        Sentence(
+            "gate.faulted",
+            "{driver} does not respond: its last command has not ended",
+            driver=asked.command.driver,
+        ),
+        Sentence(
+            "gate.wait_for_device",
+            "wait until it responds, or end the session and check the device",
+        ),
     )
 
 
@@ -592,12 +708,19 @@ def first_refusal(rows: Iterable[Row], facts: Facts, question: Question) -> Refu
             if row.feature in facts.failed:
                 continue  # named already, and the session has to go on
             log.exception("the row %r of the gate failed", row.name)
-            whose = f"the feature {row.feature}" if row.feature else "the program"
-            return Refusal(
-                "unchecked",
-                f"the check of {row.name!r} failed: {type(error).__name__}: {error}",
-                f"this is an error in {whose}; the traceback is in the *.host.log",
+            reason = Sentence(
+                "gate.check_failed",
+                "the check of {check!r} failed: {error}",
+                check=row.name,
+                error=f"{type(error).__name__}: {error}",
             )
+            whose = row.feature or "woz-tui"
+            remedy = Sentence(
+                "gate.error_in",
+                "this is an error in {program}; the traceback is in the *.host.log",
+                program=whose,
+            )
+            return Refusal("unchecked", reason, remedy)
         if refusal is not None:
             return refusal
     return None

@@ -11,6 +11,7 @@ from typing import Literal, get_args
 import msgspec
 
 from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
+from woz_tui.protocol.sentence import Wording
 
 #: Verbs with which a robot shows by itself how the engagement model stands.
 SIGNALS = frozenset({"eyes", "screen", "sound"})
@@ -73,11 +74,14 @@ class ActionRequested(Message, frozen=True, kw_only=True, tag="action.requested"
 
 
 class ActionEnd(RestrictedMessage, frozen=True, kw_only=True):
-    """How the run of an action ended; each `action.requested` has exactly one such line."""
+    """How the run of an action ended; each `action.requested` has exactly one such line. `wording`
+    as in `Notice`.
+    """
 
     run: str
     action: str
     reason: str = ""
+    wording: dict[str, Wording] = {}
 
 
 class ActionDone(ActionEnd, frozen=True, kw_only=True, tag="action.done"):
@@ -188,10 +192,13 @@ class Progress(Ack, frozen=True, kw_only=True, tag="command.progress"):
 
 
 class End(Ack, frozen=True, kw_only=True):
-    """How a command ended; each `command.requested` has exactly one such line."""
+    """How a command ended; each `command.requested` has exactly one such line. `wording` as in
+    `Notice`.
+    """
 
     reason: str = ""
     remedy: str = ""
+    wording: dict[str, Wording] = {}
 
 
 class Done(End, frozen=True, kw_only=True, tag="command.done"):

@@ -13,6 +13,7 @@ import msgspec
 from woz_tui.protocol.envelope import Answer, Message
 from woz_tui.protocol.kinds import answer_kinds, message_kinds, request_kinds
 from woz_tui.protocol.requests import Request
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.addresses import may_tell_secrets, without_passwords
 from woz_tui.system.foreign_json import decode_foreign
 
@@ -55,16 +56,32 @@ class WireError(ValueError):
 def encode(message: msgspec.Struct) -> bytes:
     """One JSON object and a newline, UTF-8. Non-finite numbers become null.
 
-    Whatever the fields hold, it can be written: see `plain`. Of messages and answers, which logs
-    keep and others read, passwords in addresses are left out; a request has to arrive as it is.
+    Whatever the fields hold, it can be written: see `plain`. Of each `Sentence` the code and values
+    stand in the field `wording`, if there is one. Of messages and answers, which logs keep and
+    others read, passwords in addresses are left out; a request has to arrive as it is.
     """
     try:
         line = _encoder.encode(message)
     except (UnicodeEncodeError, TypeError, RecursionError):
-        line = _encoder.encode(plain(message))
+        message = _with_wording(message)
+        try:
+            line = _encoder.encode(message)
+        except (UnicodeEncodeError, TypeError, RecursionError):
+            line = _encoder.encode(plain(message))
     if may_tell_secrets(line) and not isinstance(message, Request):
         line = _encoder.encode(_without_passwords(plain(msgspec.json.decode(line))))
     return line + b"\n"
+
+
+def _with_wording(message: msgspec.Struct) -> msgspec.Struct:
+    """The same with plain texts for sentences, and their codes and values beside."""
+    fields = {name: getattr(message, name) for name in message.__struct_fields__}
+    sentences = {name: each for name, each in fields.items() if isinstance(each, Sentence)}
+    texts: dict[str, Any] = {name: str(each) for name, each in sentences.items()}
+    if "wording" in fields:
+        of_each = {name: each.wording() for name, each in sentences.items()}
+        texts["wording"] = {**fields["wording"], **of_each}
+    return msgspec.structs.replace(message, **texts)
 
 
 def _without_passwords(value: Any) -> Any:

@@ -41,6 +41,7 @@ from woz_tui.protocol.action_messages import (
     TimedOut,
 )
 from woz_tui.protocol.envelope import Json, Message, RestrictedMessage
+from woz_tui.protocol.sentence import Wording
 from woz_tui.protocol.study_messages import (
     STUDY_MESSAGES,
     ActionScheduled,
@@ -243,12 +244,15 @@ class RecordWaived(Message, frozen=True, kw_only=True, tag="record.waived"):
 
 
 class Notice(RestrictedMessage, frozen=True, kw_only=True, tag="notice"):
-    """A sentence for the wizard. `level`: info, warning or error; `driver`: whose it is."""
+    """A sentence for the wizard. `level`: info, warning or error; `driver`: whose it is; `wording`:
+    code and values of `text` and `remedy`, where they can be worded in another language.
+    """
 
     level: str
     text: str
     remedy: str = ""
     driver: str = ""
+    wording: dict[str, Wording] = {}
 
 
 # -- sensors ----------------------------------------------------------------------------------

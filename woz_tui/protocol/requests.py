@@ -14,6 +14,7 @@ from woz_tui.protocol.camera_pictures import PictureFormat, PictureShown
 from woz_tui.protocol.envelope import Answer, Json
 from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
+from woz_tui.protocol.sentence import Wording
 from woz_tui.protocol.welcome import (
     Allowance,
     ModelLimits,
@@ -408,7 +409,8 @@ class Reply(Answer, frozen=True, kw_only=True, tag="reply"):
 
     `run` names what was started, or what was refused. `reason` says why not, `hint` what would
     help, and `command` which of the console's own keys (its id). `needs`: what has to be given with
-    the request (slots). `data` carries what the request asked for. `ended`: the kind of the message
+    the request (slots); `wording`: code and values of `reason` and `hint`, where they can be worded
+    in another language. `data` carries what the request asked for. `ended`: the kind of the message
     with which the run has ended already, so that nobody waits for it. `recorded`: whether every
     line so far was given to the kernel, so that it is in the log whatever becomes of the robot
     process.
@@ -420,6 +422,7 @@ class Reply(Answer, frozen=True, kw_only=True, tag="reply"):
     hint: str = ""
     command: str = ""
     needs: list[str] = []
+    wording: dict[str, Wording] = {}
     run: str = ""
     data: Json = None
     ended: str = ""

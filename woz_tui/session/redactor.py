@@ -327,6 +327,8 @@ class Redactor:
             return None
         names = _word_fields(type(message))
         words: Any = dict.fromkeys(names, "")
+        if "wording" in message.__struct_fields__:  # code and values of the same words
+            words["wording"] = {}
         match message:
             case m.Notice(driver=driver, level=level):
                 words["text"] = f"{driver and f'{driver}: '}{_NOT_SHOWN.format(f'this {level}')}"

@@ -16,6 +16,7 @@ from operator import itemgetter
 
 import msgspec
 
+from woz_tui.config.screen_language import word
 from woz_tui.console.drawing.number_text import seconds
 from woz_tui.console.link.message_feed import Incoming, Loss
 from woz_tui.console.state.command_text import spoken_text
@@ -656,7 +657,7 @@ class ConsoleState:
         if failure is not None:
             return ButtonView(ButtonState.FAILED, note=failure.reason)
         if (refusal := self.why_not(panel, action)) is not None:
-            return ButtonView(ButtonState.LOCKED, note=refusal.reason)
+            return ButtonView(ButtonState.LOCKED, note=word(refusal.reason))
         missing = self.missing_driver(action)
         if missing:
             return ButtonView(ButtonState.UNREACHABLE, note=missing)

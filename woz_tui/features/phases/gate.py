@@ -9,6 +9,7 @@ from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import PlayAction
 from woz_tui.gate.table import FeatureGate, FeatureRow, Row, locked_action, locked_panel
 from woz_tui.protocol.refusal import Refusal
+from woz_tui.protocol.sentence import Sentence
 
 if TYPE_CHECKING:  # the console needs none of it for its first paint
     from woz_tui.features.phases.section import PresentPhase
@@ -19,10 +20,11 @@ def locked_by_phase(facts: Facts, asked: PlayAction) -> Refusal | None:
     phase, action = cast("PresentPhase", facts.features["phases"]), asked.action
     if action is None or action.locked or action.panel not in phase.locked:
         return None
-    return locked_panel(action.panel, f"in the phase {phase.heading}")
+    within = Sentence("phases.within", "in the phase {phase}", phase=phase.heading)
+    return locked_panel(action.panel, within)
 
 
 GATE = FeatureGate(
     rows=(FeatureRow(Row("lock", (PlayAction,), locked_by_phase), before=locked_action),),
-    undone={AskPhase: "Phase not changed"},
+    undone={AskPhase: Sentence("phases.not_changed", "Phase not changed")},
 )

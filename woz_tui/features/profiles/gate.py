@@ -17,6 +17,7 @@ from woz_tui.gate.table import (
     takes_hands_off,
 )
 from woz_tui.protocol.refusal import Refusal
+from woz_tui.protocol.sentence import Sentence
 
 if TYPE_CHECKING:  # the console needs none of it for its first paint
     from woz_tui.features.profiles.section import Profile
@@ -32,15 +33,15 @@ def profile_without_action(facts: Facts, asked: PlayAction) -> Refusal | None:
         return None
     if action.panel in profile.panels or asked.name in profile.actions:
         return None
-    reason = f"{asked.name!r} is not in the profile {profile.name}"
-    return Refusal("profile", reason, command="profile")
+    return Refusal("profile", _lacks(profile, repr(asked.name)), command="profile")
 
 
 def profile_without_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
     """What only takes hands off the robot counts in every profile. What a block consists of is
     looked at verb by verb.
     """
-    profile, verb, what = _in_use(facts), asked.verb, repr(asked.verb)
+    profile, verb = _in_use(facts), asked.verb
+    what: str = repr(verb)
     if verb in IN_EVERY_PROFILE or asked.driver in composers():
         return None
     if verb in profile.verbs or takes_hands_off(verb, asked.args):
@@ -49,8 +50,14 @@ def profile_without_verb(facts: Facts, asked: SendVerb) -> Refusal | None:
         control = asked.args.get("control")
         if control in profile.controls:
             return None
-        what = f"the control {control!r}"
-    return Refusal("profile", f"{what} is not in the profile {profile.name}")
+        what = Sentence("profiles.control", "the control {control!r}", control=str(control))
+    return Refusal("profile", _lacks(profile, what))
+
+
+def _lacks(profile: Profile, what: str) -> Sentence:
+    return Sentence(
+        "profiles.lacks", "{what} is not in the profile {profile}", what=what, profile=profile.name
+    )
 
 
 def _in_use(facts: Facts) -> Profile:
@@ -63,5 +70,5 @@ GATE = FeatureGate(
         FeatureRow(Row("profile", (PlayAction,), profile_without_action), before=no_moment),
     ),
     while_ending=(AskProfile,),
-    undone={AskProfile: "Profile not changed"},
+    undone={AskProfile: Sentence("profiles.not_changed", "Profile not changed")},
 )

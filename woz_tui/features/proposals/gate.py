@@ -18,6 +18,7 @@ from woz_tui.gate.table import (
     takes_hands_off,
 )
 from woz_tui.protocol.refusal import Refusal
+from woz_tui.protocol.sentence import Sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,12 +50,22 @@ def _unapproved(facts: Facts, origin: RequestOrigin, what: str, name: str) -> Re
     rights = fact.rights.get(origin.console)
     if rights is None and "proposals" in facts.failed and origin.source == "program":
         # Who came later is not known, and nobody asks the wizard any more.
-        return Refusal("approval", "nobody can approve what programs propose any more")
+        return Refusal(
+            "approval",
+            Sentence(
+                "proposals.nobody_approves", "nobody can approve what programs propose any more"
+            ),
+        )
     if rights is None or origin.console == fact.approved or not rights.asks(what):
         return None
     if (origin.console, name) in fact.waiting:
         return None
-    return Refusal("approval", "this program only proposes: the wizard has not approved it")
+    return Refusal(
+        "approval",
+        Sentence(
+            "proposals.unapproved", "this program only proposes: the wizard has not approved it"
+        ),
+    )
 
 
 GATE = FeatureGate(

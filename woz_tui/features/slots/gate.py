@@ -10,6 +10,7 @@ from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import PlayAction
 from woz_tui.gate.table import FeatureGate, FeatureRow, Row
 from woz_tui.protocol.refusal import Refusal
+from woz_tui.protocol.sentence import Sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +40,11 @@ def needs(slots: Sequence[str]) -> Refusal | None:
     words = ", ".join(f"{{{name}}}" for name in slots)
     return Refusal(
         "slot",
-        f"{words} is not filled in",
-        "play it by its key at a wizard's console; a program says what stands there (slots)",
+        Sentence("slots.empty", "{slots} is not filled in", slots=words),
+        Sentence(
+            "slots.play_by_key",
+            "play it by its key at a wizard's console; a program says what stands there (slots)",
+        ),
         needs=tuple(slots),
     )
 

@@ -1,0 +1,156 @@
+"""The languages of the screen: nothing lacks, nothing is lost, English where it fails."""
+
+from __future__ import annotations
+
+import string
+from collections.abc import Iterator
+
+import pytest
+
+from tools.screen_sentences import sentences
+from woz_tui.config import screen_language
+from woz_tui.config.screen_language import (
+    catalogue,
+    of_environment,
+    say,
+    shipped,
+    use,
+    word,
+    worded,
+)
+from woz_tui.export.redaction import redacted
+from woz_tui.gate.facts import Facts
+from woz_tui.gate.questions import PlayAction, RequestOrigin
+from woz_tui.gate.table import locked_panel, why_not
+from woz_tui.protocol import codec
+from woz_tui.protocol import messages as m
+from woz_tui.protocol.sentence import Sentence
+
+#: Languages that lack nothing.
+WHOLE = ("de",)
+#: A line of a small terminal.
+COLUMNS = 80
+
+
+@pytest.fixture(autouse=True)
+def english_again() -> Iterator[None]:
+    yield
+    use("en")
+
+
+def _filled_in(text: str) -> dict[str, str]:
+    """What stands between braces, and in which form."""
+    parts = string.Formatter().parse(text)
+    return {name: f"{form}!{how}" for _, name, form, how in parts if name is not None}
+
+
+@pytest.mark.parametrize("code", WHOLE)
+def test_a_whole_language_lacks_no_sentence_and_has_no_other(code: str) -> None:
+    assert {*catalogue(code)} == {*sentences()}
+
+
+@pytest.mark.parametrize("code", [code for code in shipped() if code != "en"])
+def test_no_translation_loses_a_value(code: str) -> None:
+    english, there = sentences(), catalogue(code)
+    differ = {
+        name
+        for name in there
+        if _filled_in(there[name]) != _filled_in(english[name]) and not name.endswith("_one")
+    }
+    assert not differ
+
+
+@pytest.mark.parametrize("code", [code for code in shipped() if code != "en"])
+def test_what_fits_on_a_line_in_english_fits_on_one(code: str) -> None:
+    english, there = sentences(), catalogue(code)
+    assert not {
+        name: text
+        for name, text in there.items()
+        if len(english[name]) <= COLUMNS // 2 and len(text) > COLUMNS
+    }
+
+
+def test_a_sentence_is_its_english_and_knows_how_to_be_worded() -> None:
+    refusal = locked_panel("Speech")
+    assert refusal.reason == "the panel 'Speech' is locked"
+    use("de")
+    assert word(refusal.reason) == "die Gruppe 'Speech' ist gesperrt"
+    assert word(refusal.remedy) == "'Speech entsperren' suchen"
+
+
+def test_a_sentence_within_a_sentence_is_worded_too() -> None:
+    inner = locked_panel("Speech", Sentence("phases.within", "in the phase {phase}", phase="Tour"))
+    use("de")
+    assert word(inner.reason) == "die Gruppe 'Speech' ist gesperrt in der Phase Tour"
+
+
+def test_code_and_values_come_with_the_message_and_are_worded_there() -> None:
+    missing = why_not(Facts(), PlayAction("Wave", None, RequestOrigin("key", "w", "con1")))
+    assert missing is not None
+    late = Sentence("gate.undone", "{undone} ({why})", undone=missing.reason, why="late")
+    sent = m.Notice(level="warning", text=late, remedy="ask the engineer")
+    line = codec.encode(sent)
+    came = codec.decode_message(line)
+    assert isinstance(came, m.Notice)
+    assert (came.text, came.remedy) == ("there is no action 'Wave' (late)", "ask the engineer")
+    assert came.wording["text"].code == "gate.undone"
+    assert codec.encode(came) == line
+    assert worded(came) is came, "in English nothing is done"
+    use("de")
+    german = worded(came)
+    assert german.text == "es gibt keine Aktion 'Wave' (late)"
+    assert german.remedy == "ask the engineer", "what has no code stays"
+
+
+def test_a_longer_text_of_it_is_a_plain_text() -> None:
+    line = codec.encode(m.Notice(level="info", text=f"so: {locked_panel('A').reason}"))
+    assert b"wording" not in line
+
+
+def test_the_count_decides_the_form(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        screen_language,
+        "_used",
+        {"queue.waits": "{count} warten", "queue.waits_one": "eins wartet"},
+    )
+    said = [say("queue.waits", "{count} wait", one="one waits", count=count) for count in (1, 2)]
+    assert said == ["eins wartet", "2 warten"]
+    monkeypatch.setattr(screen_language, "_used", {})
+    said = [say("queue.waits", "{count} wait", one="one waits", count=count) for count in (1, 2)]
+    assert said == ["one waits", "2 wait"]
+
+
+@pytest.mark.parametrize(
+    "wrong", ["{other}", "{count", "{count:q}", "{count.x.y}", "{}", "{count!z}"]
+)
+def test_what_cannot_be_filled_in_is_english(monkeypatch: pytest.MonkeyPatch, wrong: str) -> None:
+    monkeypatch.setattr(screen_language, "_used", {"queue.waits": wrong})
+    assert say("queue.waits", "{count} wait", count=2) == "2 wait"
+
+
+def test_a_language_that_is_not_there_is_english() -> None:
+    use("tlh")
+    assert word(locked_panel("A").reason) == "the panel 'A' is locked"
+
+
+@pytest.mark.parametrize(
+    ("variables", "code"),
+    [
+        ({"LANG": "de_AT.UTF-8"}, "de"),
+        ({"LANG": "de_DE.UTF-8", "LC_MESSAGES": "en_GB.UTF-8"}, "en"),
+        ({"LANG": "en_GB.UTF-8", "LC_ALL": "de"}, "de"),
+        ({"LC_ALL": "", "LANG": "de_CH"}, "de"),
+        ({"LANG": "C.UTF-8"}, "en"),
+        ({"LANG": "POSIX"}, "en"),
+        ({"LANG": "tlh_QO"}, "en"),
+        ({}, "en"),
+    ],
+)
+def test_the_terminal_says_its_language(variables: dict[str, str], code: str) -> None:
+    assert of_environment(variables) == code
+
+
+def test_nothing_of_it_is_left_where_words_are_taken_out() -> None:
+    line = codec.encode(m.Notice(level="info", text=locked_panel("Anna's panel").reason))
+    kept = redacted(codec.decode_unknown(line))
+    assert "Anna" not in repr(kept) and "wording" in kept

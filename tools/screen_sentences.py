@@ -1,0 +1,96 @@
+"""The English sentences of the screen, as they stand in the program: what a translator begins with.
+
+    python -m tools.screen_sentences LANGUAGE
+
+prints what a language's file lacks, in the form of the file, with the English.
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import yaml
+
+from tools import ROOT
+from woz_tui.config.screen_language import FOLDER, catalogue
+
+#: What makes a sentence of a code and its English, by module.
+MAKERS = {"woz_tui.protocol.sentence": "Sentence", "woz_tui.config.screen_language": "say"}
+HEAD = """\
+# What the wizard's screen says, made of the program by `make generated`: a file of another language
+# has the same names. What stands between braces is filled in; NAME_one is said where count is 1.
+"""
+
+
+class SentencesError(ValueError):
+    """A code is not a text of the form SECTION.NAME, or has two English sentences."""
+
+
+def sentences() -> dict[str, str]:
+    """All English sentences by their codes, NAME_one among them, in the order of their codes.
+
+    Raises:
+        SentencesError: A code has two sentences, or is none.
+    """
+    found: dict[str, str] = {}
+    for path in sorted((ROOT / "woz_tui").rglob("*.py")):
+        for code, english in _sentences_in(path):
+            if found.setdefault(code, english) != english:
+                raise SentencesError(f"{path}: {code} is {found[code]!r} elsewhere")
+    return dict(sorted(found.items()))
+
+
+def _sentences_in(path: Path) -> Iterator[tuple[str, str]]:
+    nodes = [*ast.walk(ast.parse(path.read_text("utf-8")))]
+    makers = {
+        MAKERS.get(node.module or "")
+        for node in nodes
+        if isinstance(node, ast.ImportFrom)
+        and MAKERS.get(node.module or "") in {each.name for each in node.names}
+    }
+    for node in nodes:
+        if not isinstance(node, ast.Call) or getattr(node.func, "id", None) not in makers:
+            continue
+        match node.args:
+            case [ast.Constant(value=str(code)), ast.Constant(value=str(english))]:
+                yield code, english
+            case _ if path.name in ("sentence.py", "screen_language.py"):
+                continue  # which make them
+            case _:
+                raise SentencesError(f"{path}:{node.lineno}: a code and a sentence are wanted")
+        if code.count(".") != 1:
+            raise SentencesError(f"{path}:{node.lineno}: {code!r} is not SECTION.NAME")
+        for keyword in node.keywords:
+            match keyword:
+                case ast.keyword(arg="one", value=ast.Constant(value=str(one))):
+                    yield f"{code}_one", one
+
+
+def as_file(by_code: dict[str, str], head: str = HEAD) -> str:
+    """Sentences in the form of a language's file."""
+    sections: dict[str, dict[str, str]] = {}
+    for code, text in by_code.items():
+        section, name = code.split(".")
+        sections.setdefault(section, {})[name] = text
+    return head + yaml.safe_dump(
+        sections, allow_unicode=True, sort_keys=False, width=1000, default_style=None
+    )
+
+
+def english_file(_: str) -> str:
+    """The text of `en.yaml`."""
+    return as_file(sentences())
+
+
+def lacking(code: str) -> dict[str, str]:
+    """The English of what a language does not have."""
+    there = catalogue(code)
+    return {name: text for name, text in sentences().items() if name not in there}
+
+
+if __name__ == "__main__":
+    language = sys.argv[1]
+    sys.stdout.write(as_file(lacking(language), f"# lacks in {FOLDER.name}/{language}.yaml\n"))

@@ -1,0 +1,122 @@
+"""The language of the screen: what the wizard reads, worded from one catalogue.
+
+Files in `woz_tui/languages/screen`, one for each language, with sections of sentences by name.
+What a file leaves out, or fills in wrongly, is English, sentence by sentence. A program has one
+language, which `use` sets; `word` and `say` give a sentence in it.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+
+from woz_tui.protocol.sentence import Sentence
+
+log = logging.getLogger(__name__)
+
+FOLDER = Path(__file__).parents[1] / "languages" / "screen"
+ENGLISH = "en"
+#: What the environment's variables say of a language where they say none.
+_NONE = ("", "C", "POSIX")
+
+T = TypeVar("T")
+#: A language's sentences by their codes. The English ones stand in the program; their file is made
+#: of it, for whoever translates.
+Catalogue = Mapping[str, str]
+
+_used: dict[str, str] = {}
+
+
+def shipped() -> tuple[str, ...]:
+    """Codes of the languages that the screen can speak."""
+    return tuple(sorted(path.stem for path in FOLDER.glob("*.yaml")))
+
+
+def of_environment(variables: Mapping[str, str] = os.environ) -> str:
+    """The code of the language that a terminal's environment asks for; English if it is no language
+    of ours, or none.
+    """
+    names = ("LC_ALL", "LC_MESSAGES", "LANG")
+    said = next((variables[name] for name in names if variables.get(name)), "")
+    code = said.partition(".")[0].partition("_")[0].lower()
+    return code if said not in _NONE and code in shipped() else ENGLISH
+
+
+@cache
+def catalogue(code: str) -> Catalogue:
+    """The sentences of a language; none of one that is not there."""
+    path = FOLDER / f"{code}.yaml"
+    if code == ENGLISH or not path.is_file():
+        return {}
+    import yaml  # noqa: PLC0415 - a screen in English needs none
+
+    sections = yaml.load(path.read_text("utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    return {
+        f"{section}.{name}": text
+        for section, sentences in sections.items()
+        for name, text in sentences.items()
+    }
+
+
+def use(code: str) -> None:
+    """From here on this program words its sentences in this language."""
+    _used.clear()
+    _used.update(catalogue(code))
+
+
+def word(text: str) -> str:
+    """A sentence in the language in use; any other text as it is."""
+    if not _used or not isinstance(text, Sentence):
+        return text
+    return _filled(text.code, text.values, text)
+
+
+def say(code: str, english: str, /, *, one: str = "", **values: str | int | float) -> str:
+    """What the screen says itself: as `Sentence`, in the language in use."""
+    return word(Sentence(code, english, one=one, **values))
+
+
+def worded(line: T) -> T:
+    """A message or an answer with its texts in the language in use, as far as they have a code."""
+    wording = getattr(line, "wording", None)
+    if not _used or not wording:
+        return line
+    texts: Any = {
+        field: _filled(each.code, each.values, getattr(line, field))
+        for field, each in wording.items()
+        if hasattr(line, field)
+    }
+    changed: T = msgspec.structs.replace(line, **texts)  # type: ignore[type-var]
+    return changed
+
+
+def _filled(code: str, values: Mapping[str, Any], english: str) -> str:
+    """The sentence `code`; `english` where the language lacks it, or asks for other values."""
+    text = _used.get(f"{code}_one") if values.get("count") == 1 else None
+    text = text or _used.get(code)
+    if text is None:
+        return str(english)
+    try:
+        return text.format_map({name: _inner(value) for name, value in values.items()})
+    except (KeyError, ValueError, IndexError, AttributeError, TypeError):
+        log.warning("the sentence %s cannot be filled in", code)
+        return str(english)
+
+
+def _inner(value: Any) -> Any:
+    """A value as it is filled in: of a sentence within a sentence its words."""
+    match value:
+        case Sentence():
+            return word(value)
+        case {"code": str(code), **rest}:
+            values: Any = rest.get("values", {})
+            return _filled(
+                code, values if isinstance(values, dict) else {}, str(rest.get("text", ""))
+            )
+    return value

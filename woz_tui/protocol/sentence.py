@@ -1,0 +1,55 @@
+"""Sentences that can be worded in another language: English, with a code and what is filled in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import msgspec
+
+
+class Wording(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Of which sentence a text is, for whoever words it in another language.
+
+    `code`: SECTION.NAME, as the files of `woz_tui/languages/screen` have it; `values`: what fills
+    its braces, by name, where another sentence is a mapping of the same form. `text`: the English
+    of such an inner sentence, which has no field of its own.
+    """
+
+    code: str
+    values: dict[str, str | int | float | dict[str, Any]] = {}
+    text: str = ""
+
+
+class Sentence(str):
+    """An English text that knows its `code` and `values`; whoever does not, has a plain text.
+
+    Glued to another text it is one more plain text: put it into a value of a longer sentence.
+    """
+
+    __slots__ = ("code", "values")
+    code: str
+    values: Mapping[str, str | int | float | Sentence]
+
+    def __new__(
+        cls, code: str, english: str, /, *, one: str = "", **values: str | int | float | Sentence
+    ) -> Sentence:
+        """`english` with its braces filled as by `str.format`; `one` instead if `count` is 1."""
+        text = (one if one and values.get("count") == 1 else english).format_map(values)
+        sentence = super().__new__(cls, text)
+        sentence.code, sentence.values = code, values
+        return sentence
+
+    def __reduce__(self) -> tuple[type[str], tuple[str]]:
+        """In another process it is a plain text."""
+        return str, (str(self),)
+
+    def wording(self, *, inner: bool = False) -> Wording:
+        """What is sent beside the text, or with it where it is `inner`."""
+        values = {
+            name: msgspec.to_builtins(value.wording(inner=True))
+            if isinstance(value, Sentence)
+            else value
+            for name, value in self.values.items()
+        }
+        return Wording(self.code, values, str(self) if inner else "")

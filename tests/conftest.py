@@ -66,6 +66,10 @@ def state_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]
         (state / WIZARD).touch()  # and nobody is asked who plays
         patch.setenv("XDG_STATE_HOME", str(state))
         patch.setenv("WOZ_SILENT", "1")  # demos
+        if (everything := os.environ.get("LC_ALL")) is not None:
+            patch.setenv("LC_CTYPE", everything)
+            patch.delenv("LC_ALL")
+        patch.setenv("LC_MESSAGES", "C")  # in English
         patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
         patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
         yield

@@ -11,6 +11,8 @@ from tools.screen_sentences import sentences
 from woz_tui.config import screen_language
 from woz_tui.config.screen_language import (
     catalogue,
+    choose,
+    follow,
     of_environment,
     say,
     shipped,
@@ -35,6 +37,7 @@ COLUMNS = 80
 @pytest.fixture(autouse=True)
 def english_again() -> Iterator[None]:
     yield
+    choose("")
     use("en")
 
 
@@ -126,6 +129,28 @@ def test_the_count_decides_the_form(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_cannot_be_filled_in_is_english(monkeypatch: pytest.MonkeyPatch, wrong: str) -> None:
     monkeypatch.setattr(screen_language, "_used", {"queue.waits": wrong})
     assert say("queue.waits", "{count} wait", count=2) == "2 wait"
+
+
+def test_an_experiments_language_counts_unless_somebody_chose_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("LANG", "en_GB.UTF-8")
+
+    def said() -> str:
+        return word(locked_panel("A").reason)
+
+    english, german = "the panel 'A' is locked", "die Gruppe 'A' ist gesperrt"
+    choose("")
+    assert said() == english
+    follow("tlh")
+    assert said() == english
+    follow("de")
+    assert said() == german
+    follow("en")  # also of files that name no language
+    assert said() == german
+    choose("en")
+    follow("de")
+    assert said() == english
 
 
 def test_a_language_that_is_not_there_is_english() -> None:

@@ -13,6 +13,7 @@ from woz_tui.cli import console_start
 from woz_tui.cli.session_choice import add_session_choice, find_session
 from woz_tui.cli.shared_options import (
     add_keymap,
+    add_language,
     add_part,
     add_pictures,
     add_theme,
@@ -40,6 +41,7 @@ def add(parser: ArgumentParser) -> None:
     add_keymap(parser)
     add_pictures(parser)
     add_theme(parser)
+    add_language(parser)
 
 
 def run(arguments: Namespace) -> int:
@@ -101,6 +103,7 @@ def _open(arguments: Namespace, socket: Path, explain: Callable[[Loss], Loss] | 
             builtins=builtins(arguments),
             pictures=arguments.pictures,
             theme=arguments.theme,
+            language=arguments.language,
             part=arguments.part,
             explain=explain,
         )

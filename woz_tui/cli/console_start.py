@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from woz_tui.cli import GC_THRESHOLDS
 from woz_tui.cli.progress import progress
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
+from woz_tui.config.screen_language import choose
 from woz_tui.console.link.host_start import Launch, LaunchError, RobotProcess
 from woz_tui.log.file_names import current_path
 from woz_tui.system.text_cleaning import lasting
@@ -42,8 +43,9 @@ class ScreenOptions:
     `restart` are the arguments of `woz host` with which a lost robot process is started again;
     None if nobody can. `builtins` are the console's own keys, moved by a keymap file or not.
     `pictures`: how a camera's are drawn. `theme`: its colours, as `add_theme` has them. `part`:
-    which part of the panels this wizard plays. `explain`: see `HostConnection`. `greeting`: what to
-    warn of at the beginning, and what helps.
+    which part of the panels this wizard plays. `language`: what it speaks, as `add_language` has
+    it; empty: what suits. `explain`: see `HostConnection`. `greeting`: what to warn of at the
+    beginning, and what helps.
     """
 
     socket: Path
@@ -55,6 +57,7 @@ class ScreenOptions:
     pictures: str = "auto"
     theme: str = ""
     part: str = ""
+    language: str = ""
     explain: Callable[[Loss], Loss] | None = None
     greeting: tuple[str, str] = ("", "")
 
@@ -141,6 +144,7 @@ def make_console(options: ScreenOptions) -> Console:
     from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
     from woz_tui.machine.hidden_line import hidden_line  # noqa: PLC0415
 
+    choose(options.language)
     look, pressed = detect_appearance(options.theme)
     link = HostConnection(
         options.socket,

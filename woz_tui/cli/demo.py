@@ -7,7 +7,14 @@ import sys
 from argparse import ArgumentParser, Namespace
 
 from woz_tui.cli import run as run_command
-from woz_tui.cli.shared_options import add_keymap, add_part, add_pictures, add_session, add_theme
+from woz_tui.cli.shared_options import (
+    add_keymap,
+    add_language,
+    add_part,
+    add_pictures,
+    add_session,
+    add_theme,
+)
 from woz_tui.config.bundled_files import bundled_file, robot_files
 
 #: Robots that can be shown: their experiment, and the condition and participant it begins with.
@@ -70,6 +77,7 @@ def add(parser: ArgumentParser) -> None:
     add_keymap(parser)
     add_pictures(parser)
     add_theme(parser)
+    add_language(parser)
 
 
 def other_robots() -> list[str]:

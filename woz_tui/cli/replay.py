@@ -11,12 +11,13 @@ from woz_tui.cli import console_start
 from woz_tui.cli.argument_types import number
 from woz_tui.cli.console_start import detect_appearance
 from woz_tui.cli.experiment_changes import change_lines, error_lines
-from woz_tui.cli.shared_options import add_keymap, add_theme
+from woz_tui.cli.shared_options import add_keymap, add_language, add_theme
 from woz_tui.config.bundled_files import bundled_file
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.keys.terminals import detect_terminal
 from woz_tui.config.loading import load
+from woz_tui.config.screen_language import choose
 from woz_tui.drivers.plugins import Catalogue, installed
 from woz_tui.host.experiment_view import ExperimentView, plan_of
 from woz_tui.log.coding_file import Coding, CodingError, coding_path
@@ -67,6 +68,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     robot = parser.add_argument_group("on the robot")
     add_keymap(parser)
     add_theme(parser)
+    add_language(parser)
     robot.add_argument("--robot", action="store_true", help="send its commands to the robot again")
     robot.add_argument(
         "--dry-run", action="store_true", help="show and check what --robot would do"
@@ -134,6 +136,7 @@ def run(arguments: argparse.Namespace) -> int:
             from woz_tui.console.replay.commands import ReplayKeyboard  # noqa: PLC0415
             from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
+            choose(arguments.language)
             console = ReplayConsole(
                 feed,
                 ReplayKeyboard(feed),

@@ -11,6 +11,7 @@ from woz_tui.cli import console_start
 from woz_tui.cli.console_start import run_session
 from woz_tui.cli.shared_options import (
     add_keymap,
+    add_language,
     add_part,
     add_pictures,
     add_robot,
@@ -35,6 +36,7 @@ def add(parser: ArgumentParser) -> None:
     add_keymap(parser)
     add_pictures(parser)
     add_theme(parser)
+    add_language(parser)
 
 
 def run(arguments: Namespace) -> int:
@@ -90,6 +92,7 @@ def play(arguments: Namespace, experiment: Path, robot: str = "", demo: Shown | 
             builtins=own_keys,
             pictures=arguments.pictures,
             theme=arguments.theme,
+            language=arguments.language,
             part=arguments.part,
             greeting=silent,
         )

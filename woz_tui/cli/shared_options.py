@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -104,6 +104,27 @@ def add_theme(parser: ArgumentParser) -> None:
         help="colours, remembered for the next time; 16: the terminal's own; auto: what suits the"
         " terminal",
     )
+
+
+def add_language(parser: ArgumentParser) -> None:
+    """Declare the language of what the wizard reads (see `config.screen_language`)."""
+    parser.add_argument(
+        "--language",
+        metavar="CODE",
+        type=_screen_language,
+        default="",
+        help="what the screen speaks, such as de (default: the experiment's language, if the screen"
+        " has it and it is not English, else that of the terminal: LC_MESSAGES)",
+    )
+
+
+def _screen_language(code: str) -> str:
+    from woz_tui.config.screen_language import shipped  # noqa: PLC0415 - few choose one
+
+    known = shipped()
+    if code not in known:
+        raise ArgumentTypeError(f"the screen does not speak {code!r}; there are {', '.join(known)}")
+    return code
 
 
 # -- a wizard's own keymap file --------------------------------------------------------------------

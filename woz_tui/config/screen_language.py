@@ -31,6 +31,8 @@ T = TypeVar("T")
 Catalogue = Mapping[str, str]
 
 _used: dict[str, str] = {}
+#: What somebody has asked for, if anybody has.
+_asked_for: list[str] = []
 
 
 def shipped() -> tuple[str, ...]:
@@ -68,6 +70,20 @@ def use(code: str) -> None:
     """From here on this program words its sentences in this language."""
     _used.clear()
     _used.update(catalogue(code))
+
+
+def choose(code: str) -> None:
+    """Use the language that somebody asks for; empty: that of the terminal, for now."""
+    _asked_for[:] = [code] if code else []
+    use(code or of_environment())
+
+
+def follow(code: str) -> None:
+    """Use an experiment's language, unless somebody asked for one. English is what a file has that
+    says nothing, so that it changes nothing.
+    """
+    if not _asked_for and code != ENGLISH and code in shipped():
+        use(code)
 
 
 def word(text: str) -> str:

@@ -14,7 +14,7 @@ from textual.app import App
 from textual.driver import Driver
 from textual.screen import Screen
 
-from woz_tui.config.screen_language import worded
+from woz_tui.config.screen_language import follow, worded
 from woz_tui.console.drawing.glyphs import UNICODE
 from woz_tui.console.drawing.partial_update import PartialScreen
 from woz_tui.console.drawing.text_console import TextConsole
@@ -22,6 +22,7 @@ from woz_tui.console.drawing.theme import SIXTEEN, THEMES, Appearance
 from woz_tui.console.input.keyboard import Keyboard
 from woz_tui.console.link.message_feed import Incoming, Loss, MessageFeed
 from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.protocol.requests import Welcome
 from woz_tui.system.clock import Clock, RealClock
 
 
@@ -76,7 +77,13 @@ class Inbox:
         """Take what has come, oldest first."""
         while self._came:
             came = self._came.popleft()
-            yield came if isinstance(came, Loss) else [*map(worded, came)]
+            if isinstance(came, Loss):
+                yield came
+                continue
+            for message in came:
+                if isinstance(message, Welcome):
+                    follow(message.settings.study.language)
+            yield [*map(worded, came)]
 
 
 #: Seconds between two paintings: ten a second is as much as an eye and a line can use.

@@ -136,6 +136,7 @@ _shtab_woz_attach_options=(
   "--keymap[file that moves the console\'s own keys, such as a line \`say\: ctrl\+g\` (default\: \~\/.config\/woz\/keymap.yaml)]:keymap:_files"
   "--pictures[how to draw camera pictures (default\: the best that the terminal supports)]:pictures:(auto blocks kitty sixel off)"
   "--theme[colours, remembered for the next time\; 16\: the terminal\'s own\; auto\: what suits the terminal]:theme:(auto dark light 16)"
+  "--language[what the screen speaks, such as de (default\: the experiment\'s language, if the screen has it and it is not English, else that of the terminal\: LC_MESSAGES)]:CODE:"
   ":session code, such as S02, or socket (default\: the only one that runs)\; with --access\: the robot\'s HOST\:PORT:"
 )
 
@@ -272,6 +273,7 @@ _shtab_woz_demo_options=(
   "--keymap[file that moves the console\'s own keys, such as a line \`say\: ctrl\+g\` (default\: \~\/.config\/woz\/keymap.yaml)]:keymap:_files"
   "--pictures[how to draw camera pictures (default\: the best that the terminal supports)]:pictures:(auto blocks kitty sixel off)"
   "--theme[colours, remembered for the next time\; 16\: the terminal\'s own\; auto\: what suits the terminal]:theme:(auto dark light 16)"
+  "--language[what the screen speaks, such as de (default\: the experiment\'s language, if the screen has it and it is not English, else that of the terminal\: LC_MESSAGES)]:CODE:"
 )
 
 # guard to ensure default positional specs are added only once per session
@@ -595,6 +597,7 @@ _shtab_woz_replay_options=(
   "--paused[start paused]"
   "--keymap[file that moves the console\'s own keys, such as a line \`say\: ctrl\+g\` (default\: \~\/.config\/woz\/keymap.yaml)]:keymap:_files"
   "--theme[colours, remembered for the next time\; 16\: the terminal\'s own\; auto\: what suits the terminal]:theme:(auto dark light 16)"
+  "--language[what the screen speaks, such as de (default\: the experiment\'s language, if the screen has it and it is not English, else that of the terminal\: LC_MESSAGES)]:CODE:"
   "--robot[send its commands to the robot again]"
   "--dry-run[show and check what --robot would do]"
   "--yes[with --robot\: do not ask for confirmation]"
@@ -661,6 +664,7 @@ _shtab_woz_run_options=(
   "--keymap[file that moves the console\'s own keys, such as a line \`say\: ctrl\+g\` (default\: \~\/.config\/woz\/keymap.yaml)]:keymap:_files"
   "--pictures[how to draw camera pictures (default\: the best that the terminal supports)]:pictures:(auto blocks kitty sixel off)"
   "--theme[colours, remembered for the next time\; 16\: the terminal\'s own\; auto\: what suits the terminal]:theme:(auto dark light 16)"
+  "--language[what the screen speaks, such as de (default\: the experiment\'s language, if the screen has it and it is not English, else that of the terminal\: LC_MESSAGES)]:CODE:"
   ":experiment file:_files"
 )
 

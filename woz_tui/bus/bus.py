@@ -50,6 +50,7 @@ from woz_tui.protocol.messages import (
     StopReleased,
 )
 from woz_tui.protocol.refusal import Refusal
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.tasks import TaskSet, wait_at_most
 
 #: Commands that may wait in one lane.
@@ -197,9 +198,16 @@ class Bus:
                 lane = self._idle_lane(command.driver, lane)
             known = self._lanes.get((command.driver, lane))
         elif command.driver in self._drivers:
-            unknown = f"{command.driver} does not offer {command.verb!r}"
+            unknown = Sentence(
+                "bus.not_offered",
+                "{driver} does not offer {verb!r}",
+                driver=command.driver,
+                verb=command.verb,
+            )
         else:
-            unknown = f"there is no driver {command.driver!r}"
+            unknown = Sentence(
+                "bus.no_driver", "there is no driver {driver!r}", driver=command.driver
+            )
         question = SubmitCommand(
             recorded,
             verb,
@@ -340,7 +348,9 @@ class Bus:
         self._back.discard(driver)
         for (name, _), lane in list(self._lanes.items()):
             if name == driver:
-                lane.end_motions(f"{driver} is not connected")
+                lane.end_motions(
+                    Sentence("bus.not_connected", "{driver} is not connected", driver=driver)
+                )
 
     # -- the stop ----------------------------------------------------------------------------
 
@@ -366,7 +376,7 @@ class Bus:
             self._telling.start(self._stop_of(name, Scope.ALL))
         self._hub.publish(StopPressed(source=source, pressed=pressed))
         for lane in list(self._lanes.values()):
-            lane.stop("stop pressed")
+            lane.stop(Sentence("bus.stop_pressed", "stop pressed"))
         self._stopping = self._confirming.start(self._confirm(stops, pressed or now, Scope.ALL))
         return self._stopping
 
@@ -499,7 +509,7 @@ class Bus:
     async def drain(self, seconds: float) -> None:
         """End every command and wait up to `seconds` for the jobs to be gone."""
         for lane in list(self._lanes.values()):
-            lane.stop("the session ends")
+            lane.stop(Sentence("bus.session_ends", "the session ends"))
         waits = [asyncio.ensure_future(lane.ended()) for lane in self._lanes.values()]
         if waits:
             _, pending = await asyncio.wait(waits, timeout=seconds)

@@ -45,6 +45,7 @@ from woz_tui.protocol.messages import (
     TimedOut,
 )
 from woz_tui.protocol.refusal import Refusal
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.tasks import STOOD_STILL_S
 
 #: How long a cancelled job may take to end before its lane counts as faulted, in seconds.
@@ -56,7 +57,9 @@ EXPECTED_MARGIN_S = 2.0
 BRIEF_CAPACITY = 256
 
 #: Where an error of a driver can be read.
-IN_HOST_LOG = "the traceback is in the *.host.log beside the session's log"
+IN_HOST_LOG = Sentence(
+    "bus.host_log", "the traceback is in the *.host.log beside the session's log"
+)
 
 log = logging.getLogger(__name__)
 
@@ -236,11 +239,11 @@ class Lane:
         if pending.verb.stream or when_busy == "replace":
             self._make_way(pending)
         elif (when_busy == "refuse" or not pending.verb.waits) and (self.busy or self._waiting):
-            pending.refuse("busy", "something else is still running")
+            pending.refuse("busy", Sentence("bus.still_running", "something else is still running"))
             return
         elif len(self._waiting) >= self._room_for(pending):
-            what = f"queue full ({len(self._waiting)})"
-            pending.refuse("full", what, "empty the queue, or wait")
+            what = Sentence("bus.queue_full", "queue full ({count})", count=len(self._waiting))
+            pending.refuse("full", what, Sentence("bus.empty_or_wait", "empty the queue, or wait"))
             return
         pending.waited = self.busy or bool(self._waiting)
         self._waiting.append((pending, args))
@@ -270,7 +273,15 @@ class Lane:
             if entry[0] is pending:
                 self._waiting.remove(entry)
                 waited = (self._hub.now() - pending.requested_us) / 1_000_000
-                pending.refuse("late", f"{self.driver_name} was busy for {waited:.0f} s")
+                pending.refuse(
+                    "late",
+                    Sentence(
+                        "bus.was_busy",
+                        "{driver_name} was busy for {waited:.0f} s",
+                        driver_name=self.driver_name,
+                        waited=waited,
+                    ),
+                )
                 return
 
     # -- running -----------------------------------------------------------------------------
@@ -280,7 +291,7 @@ class Lane:
             pending, args = self._waiting.popleft()
             deadline = pending.command.deadline_us
             if deadline and self._hub.now() > deadline:
-                pending.refuse("late", "it was queued too long")
+                pending.refuse("late", Sentence("bus.queued_too_long", "it was queued too long"))
                 continue
             if (refusal := self._why_not(pending)) is not None:
                 pending.refuse(refusal.code, refusal.reason, refusal.remedy)
@@ -294,7 +305,10 @@ class Lane:
         pending.timers.clear()
         self._current = pending
         if pending.verb.arrives:
-            self.end_motions("replaced by a newer one", pending.command.command)
+            self.end_motions(
+                Sentence("bus.replaced", "replaced by a newer one"),
+                pending.command.command,
+            )
         started_us = self._hub.now()
         self._hub.publish(
             Dispatched(
@@ -332,8 +346,13 @@ class Lane:
             TimedOut(
                 command=pending.command.command,
                 driver=self.driver_name,
-                reason=f"it took longer than {limit_s:g} s",
-                remedy="check the device, or raise the limit if this is its normal duration",
+                reason=Sentence(
+                    "bus.timed_out", "it took longer than {limit_s:g} s", limit_s=limit_s
+                ),
+                remedy=Sentence(
+                    "bus.check_device",
+                    "check the device, or raise the limit if this is its normal duration",
+                ),
             )
         )
         self._cancel()
@@ -367,7 +386,11 @@ class Lane:
         for pending, _ in waiting:
             pending.refuse(
                 "faulted",
-                f"{self.driver_name} does not respond: the previous command has not ended",
+                Sentence(
+                    "bus.no_response",
+                    "{driver_name} does not respond: the previous command has not ended",
+                    driver_name=self.driver_name,
+                ),
             )
 
     def _ended(
@@ -487,7 +510,11 @@ def _outcome(
 ) -> End:
     command, driver = pending.command.command, pending.command.driver
     if task.cancelled():
-        return Failed(command=command, driver=driver, reason="the driver cancelled the command")
+        return Failed(
+            command=command,
+            driver=driver,
+            reason=Sentence("bus.driver_cancelled", "the driver cancelled the command"),
+        )
     error = task.exception()
     if error is None:
         plain = codec.plain(task.result())  # what cannot be said in JSON becomes text
@@ -512,7 +539,11 @@ def _outcome(
         command=command,
         driver=driver,
         reason=f"{type(error).__name__}: {error}",
-        remedy=f"this is an error in the driver; {IN_HOST_LOG}",
+        remedy=Sentence(
+            "bus.driver_error",
+            "this is an error in the driver; {in_host_log}",
+            in_host_log=IN_HOST_LOG,
+        ),
     )
 
 

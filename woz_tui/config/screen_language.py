@@ -93,7 +93,7 @@ def word(text: str) -> str:
     return _filled(text.code, text.values, text)
 
 
-def say(code: str, english: str, /, *, one: str = "", **values: str | int | float) -> str:
+def say(code: str, english: str, /, *, one: str = "", **values: object) -> str:
     """What the screen says itself: as `Sentence`, in the language in use."""
     return word(Sentence(code, english, one=one, **values))
 
@@ -110,6 +110,15 @@ def worded(line: T) -> T:
     }
     changed: T = msgspec.structs.replace(line, **texts)  # type: ignore[type-var]
     return changed
+
+
+def worded_data(data: Any) -> Any:
+    """The same of what came as plain data, such as a finding of the preflight."""
+    match data:
+        case {"wording": dict(wording), **rest} if _used:
+            texts = {name: _inner({**each, "text": rest[name]}) for name, each in wording.items()}
+            return {**rest, **texts}
+    return data
 
 
 def _filled(code: str, values: Mapping[str, Any], english: str) -> str:

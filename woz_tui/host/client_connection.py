@@ -33,6 +33,7 @@ from woz_tui.protocol.requests import (
     Reply,
     Request,
 )
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.recent_messages import RecentMessages, unlisted
 from woz_tui.session.redactor import Redactor
 from woz_tui.system.clock import Standstill
@@ -141,13 +142,18 @@ class RequestScheduler:
 
 def part_text(client: ClientConnection) -> str:
     """What a sentence calls that which this client plays, or would play."""
-    return client.part or "the robot"
+    return client.part or Sentence("host.robot", "the robot")
 
 
 def take_over_hint(client: ClientConnection) -> str:
     """How somebody plays although another console does."""
     part = f" --as {client.part}" if client.part else ""
-    return f"start `woz attach --take-over{part}` to play {part_text(client)} here"
+    return Sentence(
+        "host.take_over",
+        "start `woz attach --take-over{part}` to play {client} here",
+        part=part,
+        client=part_text(client),
+    )
 
 
 class ClientConnection(asyncio.Protocol):
@@ -296,7 +302,14 @@ class ClientConnection(asyncio.Protocol):
     def _carry_out(self, line: bytes, since_us: int, overtaken: bool) -> None:
         left = self._transport is None or self._transport.is_closing()
         if len(line) > codec.MAX_LINE:
-            self.refuse(0, f"a line can have at most {codec.MAX_LINE} bytes")
+            self.refuse(
+                0,
+                Sentence(
+                    "host.line_too_long",
+                    "a line can have at most {max_line} bytes",
+                    max_line=codec.MAX_LINE,
+                ),
+            )
             self.close("line too long")
             return
         try:
@@ -306,8 +319,10 @@ class ClientConnection(asyncio.Protocol):
             return
         if overtaken and isinstance(request, AskRelease):
             # It was sent before the stop, and so not because of it.
-            reason = "a newer stop arrived on the same connection"
-            self.refuse(request.ref, reason, "release the stop again")
+            reason = Sentence("host.newer_stop", "a newer stop arrived on the same connection")
+            self.refuse(
+                request.ref, reason, Sentence("host.release_again", "release the stop again")
+            )
         elif not left or isinstance(request, carried_out_after_leaving()):
             if not request.sent_us:
                 request = msgspec.structs.replace(request, sent_us=since_us)

@@ -11,10 +11,11 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.panel_players import players
 from woz_tui.protocol.panels import covers_verb
 from woz_tui.protocol.requests import AskAction, AskVerb
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session import Session
 
 #: Why nobody drives.
-NOBODY = "no wizard's console is attached"
+NOBODY = Sentence("host.no_wizard", "no wizard's console is attached")
 
 
 class DeadManSwitch:
@@ -68,8 +69,12 @@ class DeadManSwitch:
         """Why the console of this part does not watch."""
         players = [each for each in self._wizards() if each.part == part]
         if not players:
-            return f"{console_of(part)} is not attached any more"
-        return players[0].silent or f"{console_of(part)} does not drive any more"
+            return Sentence(
+                "host.detached", "{part} is not attached any more", part=console_of(part)
+            )
+        return players[0].silent or Sentence(
+            "host.drives_no_more", "{part} does not drive any more", part=console_of(part)
+        )
 
     def driving_of(self, client: ClientConnection) -> DrivingMode:
         """How keys of this console drive."""

@@ -27,6 +27,7 @@ from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, DriverError, Probe, Scope
 from woz_tui.drivers.lone_job import LOUDSPEAKER, SAY, LoneJob
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.driver_context import SessionDriverContext
 from woz_tui.system.clock import RealClock
 
@@ -42,7 +43,9 @@ _TAKEN = {SAY: ("text", "language"), "sound": ("file",), "volume": ("level",)}
 def silence() -> tuple[str, str]:
     """Why nothing can be heard here, and what helps; empty if it can."""
     if shutil.which(PLAYER) is None or not (shutil.which(SYNTHESISER) or _has_piper()):
-        return "Silent: no voice is installed", "sudo apt install espeak-ng alsa-utils"
+        return Sentence("host.no_voice", "Silent: no voice is installed"), Sentence(
+            "host.install_voice", "sudo apt install espeak-ng alsa-utils"
+        )
     with contextlib.suppress(OSError, subprocess.TimeoutExpired):
         played = subprocess.run(
             [PLAYER, "-q", "-"],
@@ -53,7 +56,9 @@ def silence() -> tuple[str, str]:
         )
         if played.returncode == 0:
             return "", ""
-    return "Silent: no loudspeaker opens here", "plug one in; `aplay -l` lists them"
+    return Sentence("host.no_loudspeaker", "Silent: no loudspeaker opens here"), Sentence(
+        "host.plug_in", "plug one in; `aplay -l` lists them"
+    )
 
 
 def _silent_wav() -> bytes:

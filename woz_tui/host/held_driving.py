@@ -15,6 +15,7 @@ from typing import Literal
 from woz_tui.gate.table import LET_GO
 from woz_tui.host.repeat_delay import RepeatDelays
 from woz_tui.protocol.messages import Notice
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session import Session
 
 #: How long after a press, and after a repeat, the next repeat may take, in seconds. Keyboards wait
@@ -57,9 +58,13 @@ class HeldDriving:
         """
         if (delay := self._delays.came(console, key, self._loop.time())) is not None:
             first = self._delays.first_repeat_s(console, FIRST_REPEAT_S)
-            text = (
-                f"The keyboard of {console} repeats a held key after {delay:.2f} s:"
-                f" one press now drives for {first:.2f} s"
+            text = Sentence(
+                "host.keyboard_delay",
+                "The keyboard of {console} repeats a held key after {delay:.2f} s: one press now"
+                " drives for {first:.2f} s",
+                console=console,
+                delay=delay,
+                first=first,
             )
             self._session.hub.publish(Notice(level="info", text=text))
         hold = self._holds.get((console, key))

@@ -22,6 +22,7 @@ from woz_tui.protocol.camera_pictures import (
     PictureShown,
 )
 from woz_tui.protocol.requests import AskPicture
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session import Session
 
 #: How long a new picture is waited for, and how often it is looked for, in seconds.
@@ -63,19 +64,40 @@ class PictureService:
         """Why it gets no picture, and what helps; empty: it gets one."""
         reason = hint = ""
         if client in self._asking:
-            reason = "the previous picture has not arrived yet"
+            reason = Sentence("host.picture_under_way", "the previous picture has not arrived yet")
         elif not (1 <= request.width <= MOST_PIXELS and 1 <= request.height <= MOST_PIXELS):
-            reason = f"a picture can have 1 x 1 to {MOST_PIXELS} x {MOST_PIXELS} pixels"
+            reason = Sentence(
+                "host.picture_size",
+                "a picture can have 1 x 1 to {most_pixels} x {most_pixels} pixels",
+                most_pixels=MOST_PIXELS,
+            )
         elif not 0 < request.rate <= MOST_RATE:
-            reason = f"the rate must be above 0 and at most {MOST_RATE:g} pictures a second"
+            reason = Sentence(
+                "host.picture_rate",
+                "the rate must be above 0 and at most {most_rate:g} pictures a second",
+                most_rate=MOST_RATE,
+            )
         elif request.driver and request.driver not in self._session.drivers:
-            reason = f"there is no driver {request.driver!r}"
+            reason = Sentence(
+                "host.unknown_driver", "there is no driver {driver!r}", driver=request.driver
+            )
         elif request.driver and request.driver not in self.cameras:
-            reason = f"{request.driver} has no camera"
-            hint = f"drivers with a camera: {', '.join(self.cameras)}" if self.cameras else ""
+            reason = Sentence("host.no_camera", "{driver} has no camera", driver=request.driver)
+            hint = (
+                Sentence(
+                    "host.drivers_with_camera",
+                    "drivers with a camera: {names}",
+                    names=", ".join(self.cameras),
+                )
+                if self.cameras
+                else ""
+            )
         elif not self.cameras:
-            reason = "no driver of this session has a camera"
-            hint = "add one to the robot file: `eye: {type: camera}` (docs/how-to/camera.md)"
+            reason = Sentence("host.no_camera_here", "no driver of this session has a camera")
+            hint = Sentence(
+                "host.add_camera",
+                "add one to the robot file: `eye: {{type: camera}}` (docs/how-to/camera.md)",
+            )
         return reason, hint
 
     def _watch(self, client: ClientConnection, driver: str, request: AskPicture) -> None:
@@ -100,12 +122,25 @@ class PictureService:
             # Whoever asked waits for an answer, also when a driver's picture is none.
             if not isinstance(error, ValueError):
                 log.exception("a picture of %s could not be drawn", driver)
-            client.refuse(request.ref, f"a picture of {driver} could not be drawn: {error}")
+            client.refuse(
+                request.ref,
+                Sentence(
+                    "host.picture_failed",
+                    "a picture of {driver} could not be drawn: {error}",
+                    driver=driver,
+                    error=error,
+                ),
+            )
 
     async def _reply(self, shown: PictureShown, request: AskPicture) -> PictureShown:
         found = await self._next_picture(shown.driver, request.after)
         if found is None:
-            why = f"{shown.driver} sent no new picture within {WAIT_S:g} s"
+            why = Sentence(
+                "host.no_new_picture",
+                "{driver} sent no new picture within {wait_s:g} s",
+                driver=shown.driver,
+                wait_s=WAIT_S,
+            )
             return replace(shown, why=why)
         number, picture = found
         async with self._one:

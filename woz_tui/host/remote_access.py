@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from woz_tui.protocol.messages import Notice
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.retry_pauses import RetryPauses
 from woz_tui.system.tasks import end_tasks
 
@@ -71,7 +72,13 @@ class RemoteAccess:
             with contextlib.suppress(OSError):
                 await self._run_once()
             if self._listening:
-                self._tell("warning", "Access from other machines has ended; it is started again")
+                self._tell(
+                    "warning",
+                    Sentence(
+                        "host.access_ended",
+                        "Access from other machines has ended; it is started again",
+                    ),
+                )
             await asyncio.sleep(pauses.after(bool(self._listening)))
 
     async def _run_once(self) -> None:
@@ -107,10 +114,25 @@ class RemoteAccess:
             where = f"port {port} of this computer" if everywhere else listening
             self._tell("info", f"Other machines can join at {where}")
         elif refused := announced.get("refused"):
-            self._tell("warning", f"Somebody from another machine was not let in: {refused}")
+            self._tell(
+                "warning",
+                Sentence(
+                    "host.not_let_in",
+                    "Somebody from another machine was not let in: {refused}",
+                    refused=refused,
+                ),
+            )
         elif (trouble := announced.get("trouble", "")) != self._trouble:
             self._trouble = trouble
-            self._tell("error", f"Other machines cannot join at {self._address}: {trouble}")
+            self._tell(
+                "error",
+                Sentence(
+                    "host.cannot_join",
+                    "Other machines cannot join at {address}: {trouble}",
+                    address=self._address,
+                    trouble=trouble,
+                ),
+            )
 
     def _tell(self, level: str, text: str) -> None:
         self._publish(Notice(level=level, text=text))

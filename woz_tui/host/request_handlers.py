@@ -15,7 +15,7 @@ from msgspec.structs import replace
 from woz_tui.config.experiment import Call, Experiment
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.reload_changes import compare
-from woz_tui.drivers.contract import HandInput
+from woz_tui.drivers.contract import Finding, HandInput
 from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import ClientRequest, RequestOrigin
 from woz_tui.gate.table import not_done, why_not
@@ -65,6 +65,7 @@ from woz_tui.protocol.requests import (
     Reply,
     Request,
 )
+from woz_tui.protocol.sentence import Sentence, wording_of
 from woz_tui.session.action_texts import given_values
 from woz_tui.session.session import Session
 from woz_tui.session.session_features import Client
@@ -321,7 +322,10 @@ class RequestHandlers:
         try:
             return filled_call(call, self._session.values())
         except MissingValueError as error:
-            raise RequestError(str(error), "to write a brace, double it: {{ or }}") from error
+            raise RequestError(
+                str(error),
+                Sentence("host.braces", "to write a brace, double it: {{{{ or }}}}"),
+            ) from error
 
     async def _predict(self, client: ClientConnection, request: AskPredict) -> Json:
         """Of what is kept from the client neither words nor times."""
@@ -338,7 +342,9 @@ class RequestHandlers:
             whole = dataclasses.replace(call, args={**args, **call.args})
             prediction = await self._session.predict_verb(whole, kept)
         else:
-            raise RequestError("predict needs either an action or a verb")
+            raise RequestError(
+                Sentence("host.predict_what", "predict needs either an action or a verb")
+            )
         plain: Json = msgspec.to_builtins(prediction)
         return plain
 
@@ -366,8 +372,15 @@ class RequestHandlers:
             if press.stale:
                 # Who stood still, computer, terminal or the line between them, nobody can tell.
                 if self._session.too_old(age_us):
-                    return f"too late: it may have been pressed {age_us / 1_000_000:.1f} s ago"
-                return "too late: it came with more keys at once than anybody types"
+                    return Sentence(
+                        "host.too_late",
+                        "too late: it may have been pressed {seconds:.1f} s ago",
+                        seconds=age_us / 1_000_000,
+                    )
+                return Sentence(
+                    "host.too_many_keys",
+                    "too late: it came with more keys at once than anybody types",
+                )
         return self._session.too_old(age_us)
 
     # -- what takes its time -----------------------------------------------------------------
@@ -381,8 +394,16 @@ class RequestHandlers:
         if len(waiting) < SLOW_WAITING:
             waiting.append(request)
         else:
-            reason = f"too many requests of this kind are waiting ({SLOW_WAITING})"
-            client.refuse(request.ref, reason, "wait for their answers")
+            reason = Sentence(
+                "host.many_requests",
+                "too many requests of this kind are waiting ({slow_waiting})",
+                slow_waiting=SLOW_WAITING,
+            )
+            client.refuse(
+                request.ref,
+                reason,
+                Sentence("host.wait_answers", "wait for their answers"),
+            )
 
     async def _work_off(self, client: ClientConnection, kind: type[Request]) -> None:
         waiting = self._slow[client, kind]
@@ -407,7 +428,7 @@ class RequestHandlers:
                 case AskPreflight():
                     from woz_tui.session.preflight import preflight  # noqa: PLC0415 - asks the machine
 
-                    data = msgspec.to_builtins(await preflight(self._session))
+                    data = [*map(_finding_data, await preflight(self._session))]
                 case AskKeepTyped():
                     async with self._reading:
                         data = await self._keep_typed(request.dry_run)
@@ -427,7 +448,11 @@ class RequestHandlers:
                 ok=False,
                 reason=f"the file has {count} error{'' if count == 1 else 's'};"
                 " nothing was changed",
-                hint=f"`woz check {self._session.experiment.path.name}` tells what is wrong",
+                hint=Sentence(
+                    "host.woz_check",
+                    "`woz check {name}` tells what is wrong",
+                    name=self._session.experiment.path.name,
+                ),
                 data=[str(problem) for problem in error.problems],
             )
             places = {str(problem): str(problem.place) for problem in error.problems}
@@ -460,19 +485,22 @@ class RequestHandlers:
         """Read in a thread: a network folder must not hold up the robot."""
         experiment = await asyncio.to_thread(self._load)
         if self._session.ended:
-            raise RequestError("the session is ending")
+            raise RequestError(Sentence("host.ending", "the session is ending"))
         difference = compare(without_typed(self._session.experiment), experiment)
         if difference.drivers:
             raise RequestError(
                 "the drivers changed: " + "; ".join(difference.drivers),
-                "end the session and start it again to use other drivers",
+                Sentence(
+                    "host.start_anew",
+                    "end the session and start it again to use other drivers",
+                ),
             )
         reread = await asyncio.to_thread(self._session.reread, experiment, dry_run=dry_run)
         changes = [*difference.changes, *reread]
         telling = [*difference.telling, *reread]
         instead.update(dict.fromkeys(telling, "a change that could reveal the condition"))
         if self._session.ended:
-            raise RequestError("the session is ending")
+            raise RequestError(Sentence("host.ending", "the session is ending"))
         if not dry_run:
             self.server.restrict(experiment)
             self._session.adopt(experiment, changes, telling)
@@ -493,11 +521,22 @@ def _with_own_source(client: ClientConnection, request: Request) -> Request:
     return request
 
 
+def _finding_data(finding: Finding) -> Json:
+    """A finding of the preflight as consoles and programs get it."""
+    fields: dict[str, Json] = msgspec.to_builtins(finding, enc_hook=str)
+    wording = wording_of({"text": finding.text, "remedy": finding.remedy})
+    return {**fields, "wording": msgspec.to_builtins(wording)} if wording else fields
+
+
 def _refused(client: ClientConnection, request: Request, error: RequestError) -> Reply:
     """Why not; conditions are listed by the names that the client knows."""
     hint = error.hint
     if client.view is not None and error.conditions:
-        hint = f"there are {', '.join(client.view.redactor.labels(error.conditions))}"
+        hint = Sentence(
+            "host.there_are",
+            "there are {names}",
+            names=", ".join(client.view.redactor.labels(error.conditions)),
+        )
     return Reply(
         ref=request.ref,
         ok=False,

@@ -17,6 +17,7 @@ from woz_tui.gate.questions import RequestOrigin
 from woz_tui.host.session_server import SessionServer
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.replay.rerun_plan import REPLAY, RerunPlan, fitted, plan_of
 from woz_tui.replay.rerun_player import DONE, LEAD_US, STOPPED, RerunPlayer
 
@@ -25,7 +26,7 @@ DRIVERS_WAIT_S = 20.0
 #: With a console: from the notice that it begins to the first command, in microseconds.
 WARNING_US = 3_000_000
 #: What the end of a re-run's session is called in its log, where it ends by itself.
-SESSION_END = "the re-run is over"
+SESSION_END = Sentence("host.rerun_over", "the re-run is over")
 #: Begins the reason of a re-run of which nothing was sent.
 NOT_BEGUN = "not begun: "
 
@@ -56,7 +57,13 @@ def read_plan(options: RerunOptions, experiment: Experiment) -> RerunPlan:
     except ValueError as error:
         raise RequestError(str(error)) from error
     if not plan.sent:
-        raise RequestError(f"{options.log}: this log has no command that can be sent again")
+        raise RequestError(
+            Sentence(
+                "host.nothing_to_send",
+                "{log}: this log has no command that can be sent again",
+                log=options.log,
+            )
+        )
     return plan
 
 
@@ -100,7 +107,14 @@ class RerunSession:
             return
         if missing := self._missing():
             if self._deadline is None:
-                self._notice("info", f"the re-run waits for {' and '.join(missing)}")
+                self._notice(
+                    "info",
+                    Sentence(
+                        "host.rerun_waits",
+                        "the re-run waits for {names}",
+                        names=" and ".join(missing),
+                    ),
+                )
                 self._deadline = asyncio.get_running_loop().call_later(
                     self._options.wait_s, self._give_up
                 )
@@ -113,7 +127,7 @@ class RerunSession:
             "warning",
             f"the re-run of {self._plan.session or self._plan.name} begins in {seconds} s:"
             f" {counted(len(self._plan.sent), 'command')}, {counted(drives, 'drive')}",
-            "press escape to stop it",
+            Sentence("host.escape_stops", "press escape to stop it"),
         )
         self._player.begin()
 
@@ -132,7 +146,12 @@ class RerunSession:
                 asyncio.get_running_loop().call_soon(self.begin_when_ready)
             case m.ConsoleLost() if self._options.headless and self._host.alone:
                 if self._player.under_way:
-                    self._session.stop("no wizard's console is attached any more")
+                    self._session.stop(
+                        Sentence(
+                            "host.wizard_gone",
+                            "no wizard's console is attached any more",
+                        )
+                    )
             case m.StopConfirmed(scope="all") if self._ending is not None:
                 self._end_session()
 
@@ -170,7 +189,7 @@ class RerunSession:
             return
         level = "info" if end.reason == DONE else "warning"
         if not self._options.headless:
-            self._notice(level, self._summary(end), "end the session")
+            self._notice(level, self._summary(end), Sentence("host.end_session", "end the session"))
             return
         self._notice(level, self._summary(end))
         # The log shall say who has confirmed the stop.
@@ -180,7 +199,7 @@ class RerunSession:
 
     def _summary(self, end: m.RerunEnded) -> str:
         if end.reason.startswith(NOT_BEGUN):
-            return f"the re-run has {end.reason}"
+            return Sentence("host.rerun_has", "the re-run has {reason}", reason=end.reason)
         failed = {how: n for how, n in self._player.ends.items() if how not in _EXPECTED}
         parts = [
             f"{end.sent_again} sent",

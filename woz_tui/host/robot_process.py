@@ -33,6 +33,7 @@ from woz_tui.log.withdrawals import WithdrawalRecordError, withdrawn_codes
 from woz_tui.machine.scheduling import ask_for_short_turns
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.participant_identity import (
     SessionIdentity,
     check_code,
@@ -217,7 +218,11 @@ def _tell_left_out(session: Session, left_out: tuple[str, ...]) -> None:
         session.hub.publish(
             m.Notice(
                 level="warning",
-                text=f"no {what}: the file no longer allows the one from before the crash",
+                text=Sentence(
+                    "host.not_allowed",
+                    "no {what}: the file no longer allows the one from before the crash",
+                    what=what,
+                ),
                 remedy=remedy,
             )
         )

@@ -41,6 +41,7 @@ from woz_tui.protocol.requests import (
     Request,
     Welcome,
 )
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.redactor import ParticipantRedactor, Redactor, sees_everything
 from woz_tui.session.session import Session
 from woz_tui.session.session_plan import panels_changed, study_settings, welcome
@@ -252,7 +253,7 @@ class SessionServer:
         elif isinstance(request, Hello):
             self._hello(client, request)
         elif client.hello is None:
-            client.refuse(request.ref, "say hello first")
+            client.refuse(request.ref, Sentence("host.hello_first", "say hello first"))
         elif isinstance(request, Beat):
             self._beat(client, request.line_ok)
         elif isinstance(request, AskTakeOver):
@@ -262,37 +263,68 @@ class SessionServer:
 
     def _stop(self, client: ClientConnection, request: AskStop) -> None:
         with self.session.hub.on_behalf_of(client.name):
-            source = "the participant" if client.role == PARTICIPANT else request.source
+            source = (
+                Sentence("host.participant", "the participant")
+                if client.role == PARTICIPANT
+                else request.source
+            )
             self.session.stop(source, request.sent_us)
 
     def _hello(self, client: ClientConnection, hello: Hello) -> None:
         if hello.protocol != PROTOCOL:
             client.refuse(
                 hello.ref,
-                f"this robot process speaks protocol {PROTOCOL}, not {hello.protocol}",
-                "use console and robot process of the same version",
+                Sentence(
+                    "host.other_protocol",
+                    "this robot process speaks protocol {protocol}, not {asked}",
+                    protocol=PROTOCOL,
+                    asked=hello.protocol,
+                ),
+                Sentence(
+                    "host.same_version",
+                    "use console and robot process of the same version",
+                ),
             )
             client.close("protocol")
             return
         if hello.role not in ROLES or client.hello is not None:
-            reason = "hello was already sent" if client.hello else f"no role {hello.role!r}"
+            reason = (
+                Sentence("host.hello_again", "hello was already sent")
+                if client.hello
+                else Sentence("host.no_role", "no role {role!r}", role=hello.role)
+            )
             client.refuse(hello.ref, reason, ", ".join(ROLES))
             return
         if hello.stream not in STREAMS:
-            client.refuse(hello.ref, f"no stream {hello.stream!r}", ", ".join(STREAMS))
+            client.refuse(
+                hello.ref,
+                Sentence("host.no_stream", "no stream {stream!r}", stream=hello.stream),
+                ", ".join(STREAMS),
+            )
             return
         if hello.sees == "all" and hello.role != "program":
-            reason = "only a program can see everything; the wizard's screen then shows its name"
-            client.refuse(hello.ref, reason, "role: program")
+            reason = Sentence(
+                "host.only_programs_see_all",
+                "only a program can see everything; the wizard's screen then shows its name",
+            )
+            client.refuse(hello.ref, reason, Sentence("host.role_program", "role: program"))
             return
         parts = self.session.experiment.parts
         plays = hello.role in ("wizard", "watcher", "program")
         if hello.part and not (plays and hello.part in parts):
-            reason = "only a wizard or a program plays a part"
+            reason = Sentence("host.no_part_for_role", "only a wizard or a program plays a part")
             if plays:
-                reason = f"the experiment has no part {hello.part!r}"
+                reason = Sentence(
+                    "host.no_part",
+                    "the experiment has no part {part!r}",
+                    part=hello.part,
+                )
             known = ", ".join(parts)
-            hint = f"there are {known}" if known else "a panel's `for` gives it a part"
+            hint = (
+                Sentence("host.parts", "there are {known}", known=known)
+                if known
+                else Sentence("host.for_gives_part", "a panel's `for` gives it a part")
+            )
             client.refuse(hello.ref, reason, hint)
             return
         client.hello, client.part, client.role = hello, hello.part, hello.role
@@ -326,14 +358,24 @@ class SessionServer:
     def _demote(self, present: ClientConnection, by: ClientConnection) -> None:
         """The console that played watches from now on."""
         present.role = "watcher"
-        present.refuse(0, f"{by.name} has taken over; this console now only watches")
+        present.refuse(
+            0,
+            Sentence(
+                "host.taken_over",
+                "{name} has taken over; this console now only watches",
+                name=by.name,
+            ),
+        )
         self.session.hub.publish(
             m.ConsoleLost(console=present.name, role="wizard", why="taken over", part=present.part)
         )
 
     def _take_over(self, client: ClientConnection, request: AskTakeOver) -> None:
         if client.role != "watcher":
-            client.refuse(request.ref, "only a console that watches can take over")
+            client.refuse(
+                request.ref,
+                Sentence("host.only_watchers", "only a console that watches can take over"),
+            )
             return
         part = self._free_part(client)
         if part is None:
@@ -342,7 +384,11 @@ class SessionServer:
             if present is not None:
                 reason = f"{player_names([present.name], wizards)} plays {part_text(client)}"
             else:
-                reason = f"every part is played: by {player_names(wizards, wizards)}"
+                reason = Sentence(
+                    "host.all_played",
+                    "every part is played: by {wizards}",
+                    wizards=player_names(wizards, wizards),
+                )
             client.refuse(request.ref, reason, take_over_hint(client))
             return
         if (present := self._player(part)) is not None:
@@ -428,7 +474,15 @@ class SessionServer:
         was_alone, client.line_ok = self.alone, line_ok
         if self.alone and not was_alone:
             self._alone_us = self.session.hub.now()
-        why = "" if line_ok else f"the terminal of {console_of(client.part)} is not connected"
+        why = (
+            ""
+            if line_ok
+            else Sentence(
+                "host.terminal_gone",
+                "the terminal of {part} is not connected",
+                part=console_of(client.part),
+            )
+        )
         if client.silent != why:
             client.silent = why
             self._switch.update()
@@ -444,7 +498,9 @@ class SessionServer:
             if silence > settings.dead_man * SILENT_PERIODS:
                 wizard.close("silent")
             elif silence > settings.dead_man and not wizard.silent:
-                wizard.silent = f"{console_of(wizard.part)} does not respond"
+                wizard.silent = Sentence(
+                    "host.no_response", "{part} does not respond", part=console_of(wizard.part)
+                )
                 self._switch.update()
         for client in self._clients:
             client.send(Pulse(t=now, dropped=client.dropped))

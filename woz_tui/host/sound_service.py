@@ -32,6 +32,7 @@ from woz_tui.protocol.live_sound import SoundHeard
 from woz_tui.protocol.messages import Json, ListenerJoined, ListenerLeft
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requests import AskSound, AskTalk, Reply
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session import Session
 
 #: How long new sound is waited for, and how often it is looked for, in seconds.
@@ -48,9 +49,16 @@ LATE_S = 0.5
 SILENT_S = 5.0
 #: Feed -> how to get a driver that has it.
 _HOW_TO_ADD = {
-    SOUND: "add one to the robot file: `ears: {type: microphone}` (docs/how-to/live-sound.md)",
+    SOUND: Sentence(
+        "host.add_microphone",
+        "add one to the robot file: `ears: {{type: microphone}}` (docs/how-to/live-sound.md)",
+    ),
     VOICE_STATE: (
-        "add one to the robot file: `voice: {type: speech, talk: {}}` (docs/how-to/live-sound.md)"
+        Sentence(
+            "host.add_voice",
+            "add one to the robot file: `voice: {{type: speech, talk: {{}}}}`"
+            " (docs/how-to/live-sound.md)",
+        )
     ),
 }
 
@@ -103,10 +111,19 @@ class SoundService:
                 if wanted in ("", spec.name)
             }
             why = "; ".join(f"{name}: {each}" for name, each in lacks.items() if each)
-            raise RequestError(f"no driver of this session has a {what}", why or _HOW_TO_ADD[feed])
+            raise RequestError(
+                Sentence("host.no_driver", "no driver of this session has a {what}", what=what),
+                why or _HOW_TO_ADD[feed],
+            )
         if wanted and wanted not in offered:
             raise RequestError(
-                f"{wanted} has no {what}", f"drivers with a {what}: {', '.join(offered)}"
+                Sentence("host.has_none", "{wanted} has no {what}", wanted=wanted, what=what),
+                Sentence(
+                    "host.drivers_with",
+                    "drivers with a {what}: {names}",
+                    what=what,
+                    names=", ".join(offered),
+                ),
             )
         return wanted or offered[0]
 
@@ -118,8 +135,14 @@ class SoundService:
         view = client.view
         if view is not None and not view.redactor.may_hear(words_tell=words_tell):
             raise RequestError(
-                "live sound could reveal what this study hides from you",
-                "listen after the session to what the file has recorded",
+                Sentence(
+                    "host.sound_reveals",
+                    "live sound could reveal what this study hides from you",
+                ),
+                Sentence(
+                    "host.listen_later",
+                    "listen after the session to what the file has recorded",
+                ),
             )
         driver = self._driver(request.driver, SOUND, "microphone with live sound", LISTEN)
         listening = self._listening.get(client)
@@ -127,7 +150,13 @@ class SoundService:
             self._end_listening(client)
             listening = self._begin_listening(client, driver)
         if listening.waiting >= AHEAD:
-            raise RequestError(f"{AHEAD} pieces of sound have been asked for and did not come yet")
+            raise RequestError(
+                Sentence(
+                    "host.pieces_asked",
+                    "{ahead} pieces of sound have been asked for and did not come yet",
+                    ahead=AHEAD,
+                )
+            )
         sound = self._session.feeds.feed(driver, SOUND).latest().value
         after = request.after
         if after <= 0 and isinstance(sound, LiveSound):  # what is left is of who listened earlier
@@ -191,7 +220,12 @@ class SoundService:
         shown = SoundHeard(ref=ref, driver=driver, microphones=self._drivers_with(SOUND))
         found = await self._next_sound(driver, after)
         if found is None:
-            why = f"{driver} sent no sound within {WAIT_S:g} s"
+            why = Sentence(
+                "host.no_sound",
+                "{driver} sent no sound within {wait_s:g} s",
+                driver=driver,
+                wait_s=WAIT_S,
+            )
             client.send(replace(shown, why=why))
             return
         rate, piece = found
@@ -232,7 +266,10 @@ class SoundService:
         driver = self._driver(request.driver, VOICE_STATE, "loudspeaker for a live voice", TALK)
         state = self._session.feeds.feed(driver, VOICE_STATE).latest().value
         if not isinstance(state, VoiceState):
-            raise RequestError(f"{driver} takes no live voice yet", "wait until it is connected")
+            raise RequestError(
+                Sentence("host.no_live_voice", "{driver} takes no live voice yet", driver=driver),
+                Sentence("host.wait_connected", "wait until it is connected"),
+            )
         talking = self._talker(client, driver, state.rate)
         if request.data:
             self._take_voice(client, talking, request)
@@ -249,8 +286,13 @@ class SoundService:
             silent = now - talking.sent_us > SILENT_S * 1_000_000
             if not talking.client.closed.done() and not silent:
                 raise RequestError(
-                    f"{talking.client.name} sends its voice to {driver} already",
-                    "end its `woz talk` first",
+                    Sentence(
+                        "host.voice_taken",
+                        "{name} sends its voice to {driver} already",
+                        name=talking.client.name,
+                        driver=driver,
+                    ),
+                    Sentence("host.end_talk", "end its `woz talk` first"),
                 )
             talking = _Talking(client, talking.window, now)
         elif talking is None:
@@ -264,17 +306,34 @@ class SoundService:
         rate = talking.window.rate
         if request.rate != rate:
             raise RequestError(
-                f"the voice has {request.rate} Hz, and the robot file asks for {rate} Hz",
-                f"record with `arecord -f S16_LE -c 1 -r {rate}`",
+                Sentence(
+                    "host.wrong_rate",
+                    "the voice has {rate} Hz, and the robot file asks for {wanted} Hz",
+                    rate=request.rate,
+                    wanted=rate,
+                ),
+                Sentence(
+                    "host.record_so",
+                    "record with `arecord -f S16_LE -c 1 -r {rate}`",
+                    rate=rate,
+                ),
             )
         try:
             pcm = base64.b64decode(request.data, validate=True)
         except binascii.Error as error:
-            raise RequestError(f"the voice is no base64: {error}") from error
+            raise RequestError(
+                Sentence("host.no_base64", "the voice is no base64: {error}", error=error)
+            ) from error
         if len(pcm) % WIDTH or len(pcm) > LONGEST_S * rate * WIDTH:
             raise RequestError(
-                f"{len(pcm)} bytes are no piece of a voice:"
-                f" it has whole samples of {WIDTH} bytes, and at most {LONGEST_S:g} s"
+                Sentence(
+                    "host.no_voice_piece",
+                    "{count} bytes are no piece of a voice: it has whole samples of {width} bytes,"
+                    " and at most {longest_s:g} s",
+                    count=len(pcm),
+                    width=WIDTH,
+                    longest_s=LONGEST_S,
+                )
             )
         age_us = max(0, request.age_us) + self._session.standstill.waited_us(request.sent_us)
         lasted_s = len(pcm) / (WIDTH * rate)

@@ -13,7 +13,7 @@ import msgspec
 from woz_tui.protocol.envelope import Answer, Message
 from woz_tui.protocol.kinds import answer_kinds, message_kinds, request_kinds
 from woz_tui.protocol.requests import Request
-from woz_tui.protocol.sentence import Sentence
+from woz_tui.protocol.sentence import wording_of
 from woz_tui.system.addresses import may_tell_secrets, without_passwords
 from woz_tui.system.foreign_json import decode_foreign
 
@@ -76,11 +76,10 @@ def encode(message: msgspec.Struct) -> bytes:
 def _with_wording(message: msgspec.Struct) -> msgspec.Struct:
     """The same with plain texts for sentences, and their codes and values beside."""
     fields = {name: getattr(message, name) for name in message.__struct_fields__}
-    sentences = {name: each for name, each in fields.items() if isinstance(each, Sentence)}
-    texts: dict[str, Any] = {name: str(each) for name, each in sentences.items()}
+    wording = wording_of(fields)
+    texts: dict[str, Any] = {name: str(fields[name]) for name in wording}
     if "wording" in fields:
-        of_each = {name: each.wording() for name, each in sentences.items()}
-        texts["wording"] = {**fields["wording"], **of_each}
+        texts["wording"] = {**fields["wording"], **wording}
     return msgspec.structs.replace(message, **texts)
 
 

@@ -21,6 +21,11 @@ class Wording(msgspec.Struct, frozen=True, omit_defaults=True):
     text: str = ""
 
 
+def wording_of(texts: Mapping[str, object]) -> dict[str, Wording]:
+    """Code and values of those of the texts that are sentences, by the names of their fields."""
+    return {name: text.wording() for name, text in texts.items() if isinstance(text, Sentence)}
+
+
 class Sentence(str):
     """An English text that knows its `code` and `values`; whoever does not, has a plain text.
 
@@ -31,13 +36,17 @@ class Sentence(str):
     code: str
     values: Mapping[str, str | int | float | Sentence]
 
-    def __new__(
-        cls, code: str, english: str, /, *, one: str = "", **values: str | int | float | Sentence
-    ) -> Sentence:
-        """`english` with its braces filled as by `str.format`; `one` instead if `count` is 1."""
+    def __new__(cls, code: str, english: str, /, *, one: str = "", **values: object) -> Sentence:
+        """`english` with its braces filled as by `str.format`; `one` instead if `count` is 1. What
+        is neither number nor text (an error, a path) is filled in as its text.
+        """
         text = (one if one and values.get("count") == 1 else english).format_map(values)
         sentence = super().__new__(cls, text)
-        sentence.code, sentence.values = code, values
+        sentence.code = code
+        sentence.values = {
+            name: value if isinstance(value, str | int | float) else str(value)
+            for name, value in values.items()
+        }
         return sentence
 
     def __reduce__(self) -> tuple[type[str], tuple[str]]:

@@ -20,6 +20,7 @@ from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import HANDS, SPEAKING_VERBS, is_by_hand, weakest
 from woz_tui.protocol.refusal import Refusal, RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.action_texts import (
     NOTHING_GIVEN,
     ActionTexts,
@@ -398,7 +399,15 @@ class ActionRunner:
         if run.at >= len(run.steps):
             lacks = ", ".join(each.what for each in run.action.left_out)
             nothing_sent = bool(lacks) and not calls_in(run.steps)
-            reason = f"left out: this robot has no {lacks}" if nothing_sent else ""
+            reason = (
+                Sentence(
+                    "session.left_out",
+                    "left out: this robot has no {lacks}",
+                    lacks=lacks,
+                )
+                if nothing_sent
+                else ""
+            )
             evidence = weakest(run.evidence)
             self._finish(
                 run,
@@ -660,7 +669,10 @@ def may_speak(call: Call | m.Command) -> bool:
 
 def _superseded(run: ActionRun, by: str, label: str) -> m.ActionSuperseded:
     return m.ActionSuperseded(
-        run=run.id, action=run.action.name, reason=f'replaced by "{label}"', by=by
+        run=run.id,
+        action=run.action.name,
+        reason=Sentence("session.replaced", 'replaced by "{label}"', label=label),
+        by=by,
     )
 
 

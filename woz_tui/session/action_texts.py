@@ -29,6 +29,7 @@ from woz_tui.config.utterance_template import HIDDEN_TEXT, OF_VISITOR, names
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.variables import MissingValueError, VariableValues, fill_variables, filled_call
 
 #: The verb and its argument that hold an utterance.
@@ -181,10 +182,17 @@ def missing_value_error(missing: MissingValueError) -> RequestError:
     if missing.variable in OF_VISITOR:
         return RequestError(
             str(missing),
-            "enter who the visitor is, or wait for face recognition or a handshake",
+            Sentence(
+                "session.enter_visitor",
+                "enter who the visitor is, or wait for face recognition or a handshake",
+            ),
             command="engagement",
         )
-    return RequestError(str(missing), "choose participant and condition", command="start")
+    return RequestError(
+        str(missing),
+        Sentence("session.choose_both", "choose participant and condition"),
+        command="start",
+    )
 
 
 #: Actions in one line of the log, which may have 1 MiB.
@@ -283,7 +291,13 @@ class ActionTexts:
         """
         said = next((call for call in action.calls if call.verb == SAY), None)
         if said is None:
-            raise RequestError(f"{action.label!r} says nothing that could be edited")
+            raise RequestError(
+                Sentence(
+                    "session.no_sentence",
+                    "{label!r} says nothing that could be edited",
+                    label=action.label,
+                )
+            )
         choice = said.choices.get(TEXT)
         depends = "condition" in tells or (choice is not None and choice.depends)
         condition = self._values().get("condition", "") if depends else ""

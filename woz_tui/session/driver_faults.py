@@ -21,6 +21,7 @@ from woz_tui.config.study_words import PERCEIVED
 from woz_tui.drivers.contract import Driver, Health, HealthStatement
 from woz_tui.drivers.driver_call import CALLING
 from woz_tui.protocol.messages import DriverFaulted, Notice
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.clock import Clock, RealClock
 from woz_tui.system.thread_calls import ThreadCalls
 
@@ -60,7 +61,7 @@ class DriverFaults:
         self._remedy = trace
         self._drivers: Mapping[str, Driver] = {}
         self._loop = asyncio.get_running_loop()
-        self._calls = ThreadCalls("an error")
+        self._calls = ThreadCalls(Sentence("session.error", "an error"))
         #: How often, by driver and place.
         self._counts: Counter[tuple[str, str]] = Counter()
         #: Places in nobody's code of which Python has written down an error.
@@ -124,7 +125,8 @@ class DriverFaults:
                     DriverFaulted(driver=who, detail=said, remedy=remedy, tells=TELLS)
                 )
         elif round_number:
-            text = f"{who or 'An error in the code of no driver'}: {said}"
+            nobody = Sentence("session.error_in_code", "An error in the code of no driver")
+            text = Sentence("session.said_of", "{who}: {what}", who=who or nobody, what=said)
             self._hub.publish(
                 Notice(
                     level="error" if who else "warning",

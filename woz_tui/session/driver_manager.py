@@ -26,6 +26,7 @@ from woz_tui.drivers.fields import Sibling
 from woz_tui.drivers.plugins import PluginError
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.driver_context import DriverRequestHandler, SessionDriverContext
 from woz_tui.session.driver_faults import DriverFaults
 from woz_tui.system.clock import Clock
@@ -188,7 +189,7 @@ class DriverManager:
         self._on_closed = on_closed
         self._resting: list[asyncio.Task[None]] = []
         self._preparing: dict[str, asyncio.Task[None]] = {}
-        self._resuming = TaskSet("resuming after a stop")
+        self._resuming = TaskSet(Sentence("session.resuming", "resuming after a stop"))
 
     async def open(self) -> None:
         """Let every driver look for its hardware."""
@@ -197,7 +198,9 @@ class DriverManager:
             self._hub.publish(
                 m.DriverFaulted(
                     driver=name,
-                    detail=f"it did not open: {problem}",
+                    detail=Sentence(
+                        "session.not_opened", "it did not open: {problem}", problem=problem
+                    ),
                     remedy=IN_HOST_LOG,
                 )
             )
@@ -219,7 +222,12 @@ class DriverManager:
             await guarded(lambda: driver.prepare_say(said), DriverCall(name, "prepare"))
         except Exception as error:
             log.exception("%s could not prepare its utterances", name)
-            text = f"{name}: utterances are not ready: {error}"
+            text = Sentence(
+                "session.utterances_missing",
+                "{name}: utterances are not ready: {error}",
+                name=name,
+                error=error,
+            )
             self._hub.publish(m.Notice(level="warning", text=text, tells=("request",)))
 
     def reread(self, settings: Mapping[str, Any], dry_run: bool) -> list[str]:
@@ -250,7 +258,17 @@ class DriverManager:
             await guarded(driver.resume, DriverCall(name, "resume"))
         except Exception as error:
             log.exception("%s failed to resume", name)
-            self._hub.publish(m.Notice(level="error", text=f"{name}: resume failed: {error}"))
+            self._hub.publish(
+                m.Notice(
+                    level="error",
+                    text=Sentence(
+                        "session.resume_failed",
+                        "{name}: resume failed: {error}",
+                        name=name,
+                        error=error,
+                    ),
+                )
+            )
 
     async def close(self) -> None:
         """Let go of the hardware."""
@@ -263,7 +281,18 @@ class DriverManager:
 
     async def _finish_all(self, what: str, calls: list[asyncio.Task[None]], seconds: float) -> None:
         for name, problem in (await self._finished(calls, seconds)).items():
-            self._hub.publish(m.Notice(level="error", text=f"{name}: {what} failed: {problem}"))
+            self._hub.publish(
+                m.Notice(
+                    level="error",
+                    text=Sentence(
+                        "session.part_failed",
+                        "{name}: {what} failed: {problem}",
+                        name=name,
+                        what=what,
+                        problem=problem,
+                    ),
+                )
+            )
 
     def _call(
         self, call: str, what: Callable[[Driver], Callable[[], Awaitable[None]]]
@@ -279,12 +308,16 @@ class DriverManager:
         """Wait `seconds` at most; what went wrong, by driver."""
         if calls:
             await asyncio.wait(calls, timeout=seconds)
-        problems = {}
+        problems: dict[str, str] = {}
         for call in calls:
             name = call.get_name()
             if not call.done():
                 call.cancel()
-                problems[name] = f"it took longer than {seconds:g} s"
+                problems[name] = Sentence(
+                    "session.took_longer",
+                    "it took longer than {seconds:g} s",
+                    seconds=seconds,
+                )
             elif not call.cancelled() and (error := call.exception()) is not None:
                 log.error("%s failed", name, exc_info=error)
                 kind = "" if isinstance(error, DriverError) else f"{type(error).__name__}: "

@@ -26,6 +26,7 @@ from woz_tui.config.session_verbs import engagement_verbs
 from woz_tui.config.utterance_template import OF_VISITOR
 from woz_tui.drivers.contract import Job, Performer, RejectedError, Scope, Verb
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.sensing import engagement_commands
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.engagement_stream import READ, EngagementFollower
@@ -171,7 +172,11 @@ class EngagementController(Performer):
         self._hub.publish(
             m.Notice(
                 level="error",
-                text=f"the engagement model failed: {reason}",
+                text=Sentence(
+                    "session.engagement_failed",
+                    "the engagement model failed: {reason}",
+                    reason=reason,
+                ),
                 remedy=IN_HOST_LOG,
             )
         )

@@ -23,6 +23,7 @@ from msgspec.structs import replace
 
 from woz_tui.config.visitor_names import key_of
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.sensing.visitor_store import (
     Visitor,
     VisitorFileError,
@@ -154,7 +155,7 @@ def _tried(call: Callable[..., T], *args: VisitorStore) -> tuple[T | None, Excep
 _FACTS = ("age_group", "address")
 #: A disk that takes longer at the end of a session is worth a notice, in seconds.
 _AT_ONCE_S = 0.5
-_LOOK = "look at it with `woz visitors`"
+_LOOK = Sentence("session.look", "look at it with `woz visitors`")
 
 
 class KnownVisitors:
@@ -208,14 +209,27 @@ class KnownVisitors:
             self.refresh()
         first = min(_AT_ONCE_S, seconds)
         if not await self._worker.waited(first) and seconds > first:
-            text = f"visitors: {self.path} does not respond; the session ends within {seconds:g} s"
+            text = Sentence(
+                "session.visitors_file_slow",
+                "visitors: {path} does not respond; the session ends within {seconds:g} s",
+                path=self.path,
+                seconds=seconds,
+            )
             self._publish(m.Notice(level="warning", text=text))
             await self._worker.waited(seconds - first)
         self._catch_up()
         if self.lacks:
             changes = f"{self.lacks} change{'s' if self.lacks > 1 else ''}"
-            text = f"visitors: {changes} of this session could not be saved in {self.path}"
-            remedy = "the log has them (`visitor.changed`); enter them with `woz visitors`"
+            text = Sentence(
+                "session.visitors_unsaved",
+                "visitors: {changes} of this session could not be saved in {path}",
+                changes=changes,
+                path=self.path,
+            )
+            remedy = Sentence(
+                "session.changes_in_log",
+                "the log has them (`visitor.changed`); enter them with `woz visitors`",
+            )
             self._publish(m.Notice(level="error", text=text, remedy=remedy))
 
     def wait(self, seconds: float) -> None:
@@ -287,8 +301,13 @@ class KnownVisitors:
             self._publish(
                 m.Notice(
                     level="warning",
-                    text=f"{visitor.name} is in the file with {said}; the file keeps this",
-                    remedy="change it with `woz visitors`",
+                    text=Sentence(
+                        "session.visitor_in_file",
+                        "{name} is in the file with {said}; the file keeps this",
+                        name=visitor.name,
+                        said=said,
+                    ),
+                    remedy=Sentence("session.woz_visitors", "change it with `woz visitors`"),
                     tells=("identity",),
                 )
             )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from woz_tui.config.participant_pattern import SIMPLER, describe_pattern, matches
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 
 if TYPE_CHECKING:
     from woz_tui.config.experiment import Experiment
@@ -50,7 +51,7 @@ class SessionIdentity:
         if condition is not None and experiment.conditions:
             check_condition(condition, experiment.conditions)
         if trial is not None and trial < 0:
-            raise RequestError("the trial must be 0 or more")
+            raise RequestError(Sentence("session.trial_number", "the trial must be 0 or more"))
         return replace(
             self,
             participant=self.participant if participant is None else participant,
@@ -63,8 +64,16 @@ def check_code(code: str, what: str) -> None:
     """Raise `RequestError` unless `code` may stand in a log and a file name."""
     if not CODE.fullmatch(code):
         raise RequestError(
-            f"{code!r} is not a valid {what} code",
-            "use 1 to 16 letters (a to z) and digits, such as P07; do not use names",
+            Sentence(
+                "session.invalid_code",
+                "{code!r} is not a valid {what} code",
+                code=code,
+                what=what,
+            ),
+            Sentence(
+                "session.code_form",
+                "use 1 to 16 letters (a to z) and digits, such as P07; do not use names",
+            ),
         )
 
 
@@ -77,11 +86,19 @@ def check_participant(code: str, pattern: str) -> None:
         fits = matches(pattern, code)
     except TimeoutError:
         raise RequestError(
-            f"comparing {code!r} with the file's pattern {pattern} takes too long",
+            Sentence(
+                "session.pattern_slow",
+                "comparing {code!r} with the file's pattern {pattern} takes too long",
+                code=code,
+                pattern=pattern,
+            ),
             SIMPLER,
         ) from None
     if not fits:
-        raise RequestError(f"{code!r} is not a code of this study", describe_pattern(pattern))
+        raise RequestError(
+            Sentence("session.no_code", "{code!r} is not a code of this study", code=code),
+            describe_pattern(pattern),
+        )
 
 
 def check_not_withdrawn(code: str, withdrawn: Collection[str]) -> None:
@@ -90,12 +107,24 @@ def check_not_withdrawn(code: str, withdrawn: Collection[str]) -> None:
     """
     if code in withdrawn:
         raise RequestError(
-            f"the participant {code} withdrew, and the code is not given again",
-            "take another code",
+            Sentence(
+                "session.withdrawn",
+                "the participant {code} withdrew, and the code is not given again",
+                code=code,
+            ),
+            Sentence("session.another_code", "take another code"),
         )
 
 
 def check_condition(condition: str, known: tuple[str, ...]) -> None:
     """Raise `RequestError` unless the file lists it."""
     if condition not in known:
-        raise RequestError(f"there is no condition {condition!r}", "the file lists none", known)
+        raise RequestError(
+            Sentence(
+                "session.no_condition",
+                "there is no condition {condition!r}",
+                condition=condition,
+            ),
+            Sentence("session.no_conditions", "the file lists none"),
+            known,
+        )

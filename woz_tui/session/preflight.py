@@ -8,6 +8,7 @@ from woz_tui.config.sensor_names import published_names
 from woz_tui.drivers.contract import SPEECH, Finding
 from woz_tui.machine import machine_checks
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.sensing.sample_values import is_share, percent, state_word
 from woz_tui.session.session import Session
 
@@ -79,10 +80,21 @@ def _drivers(session: Session) -> list[Finding]:
             else:
                 findings.append(Finding("ok", name, message.detail or "ready"))
         elif message is None or isinstance(message, m.DriverConnecting):
-            findings.append(Finding("warning", name, "searching for its hardware"))
+            findings.append(
+                Finding(
+                    "warning",
+                    name,
+                    Sentence("session.searching", "searching for its hardware"),
+                )
+            )
         else:
             findings.append(
-                Finding("error", name, message.detail or "not available", message.remedy)
+                Finding(
+                    "error",
+                    name,
+                    message.detail or Sentence("session.not_available", "not available"),
+                    message.remedy,
+                )
             )
     return findings
 
@@ -103,10 +115,17 @@ def _sensors(session: Session) -> list[Finding]:
         every_s = changed.every_s if changed is not None else 0.0
         limit_us = max(FRESH_US, PERIODS * every_s * 1_000_000)
         if message is None:
-            findings.append(Finding("warning", sensor, "no value yet"))
+            findings.append(
+                Finding("warning", sensor, Sentence("session.no_value", "no value yet"))
+            )
         elif session.hub.now() - message.t > limit_us:
             findings.append(
-                Finding("warning", sensor, "its last value is too old", "check the device")
+                Finding(
+                    "warning",
+                    sensor,
+                    Sentence("session.value_old", "its last value is too old"),
+                    Sentence("session.check_device", "check the device"),
+                )
             )
         else:
             findings.append(Finding("ok", sensor, _reading_in_words(message)))
@@ -115,16 +134,18 @@ def _sensors(session: Session) -> list[Finding]:
 
 def _reading_in_words(message: m.Reading) -> str:
     if message.sensor.endswith("identity"):
-        return message.text or "nobody identified"
+        return message.text or Sentence("session.nobody_identified", "nobody identified")
     if message.value is None:
-        return message.text or "nothing measured"
+        return message.text or Sentence("session.nothing_measured", "nothing measured")
     kind = message.sensor.rpartition(".")[2]
     if (words := _VERDICTS.get(kind)) is not None:
         return words[message.value >= SURE]
     if kind == "loudness" and message.value > 0:
         return f"{20 * math.log10(message.value):.0f} dB"
     if kind == "people":
-        return {0.0: "nobody", 1.0: "1 person"}.get(message.value, f"{message.value:.0f} people")
+        return {0.0: "nobody", 1.0: Sentence("session.one_person", "1 person")}.get(
+            message.value, Sentence("session.people", "{value:.0f} people", value=message.value)
+        )
     if word := state_word(message.sensor, message.value):
         return word
     if is_share(message.sensor, message.value, message.unit):
@@ -137,10 +158,21 @@ def _reading_in_words(message: m.Reading) -> str:
 def _recorder(session: Session) -> Finding:
     state = session.recorder.state()
     if state.level == "ok":
-        return Finding("ok", "log", f"on disk within {state.lag_us / 1000:.0f} ms")
+        return Finding(
+            "ok",
+            "log",
+            Sentence(
+                "session.on_disk",
+                "on disk within {ms:.0f} ms",
+                ms=state.lag_us / 1000,
+            ),
+        )
     level = "error" if state.level == "failed" else "warning"
     return Finding(
-        level, "log", state.detail or f"{state.lag_us / 1000:.0f} ms behind", state.remedy
+        level,
+        "log",
+        state.detail or Sentence("session.ms_behind", "{ms:.0f} ms behind", ms=state.lag_us / 1000),
+        state.remedy,
     )
 
 
@@ -150,12 +182,22 @@ def _identity(session: Session) -> Finding:
     if session.experiment.conditions and not identity.condition:
         missing.append("condition")
     if missing:
-        return Finding("warning", "session", f"no {' and no '.join(missing)} set", "choose it")
+        return Finding(
+            "warning",
+            "session",
+            Sentence("session.unset", "no {names} set", names=" and no ".join(missing)),
+            Sentence("session.choose", "choose it"),
+        )
     condition = session.state.study.label(identity.condition)
     return Finding("ok", "session", f"{identity.participant} {condition}".strip())
 
 
 def _stop(session: Session) -> Finding:
     if session.bus.latched:
-        return Finding("error", "stop", "the stop is pressed", "release the stop")
+        return Finding(
+            "error",
+            "stop",
+            Sentence("session.stopped", "the stop is pressed"),
+            Sentence("session.release_stop", "release the stop"),
+        )
     return Finding("ok", "stop", "released")

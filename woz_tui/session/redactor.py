@@ -33,6 +33,7 @@ from woz_tui.protocol.kinds import (
     participant_words,
 )
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.sensing.sample_values import ZONES
 
 log = logging.getLogger(__name__)
@@ -275,15 +276,25 @@ class Redactor:
     def _reply_line(self, line: Json, instead: Mapping[str, str]) -> Json:
         """A difference or an error of the file, or a finding of the preflight."""
         if isinstance(line, dict) and "subject" in line:
-            return {**line, "text": self._finding(str(line["subject"]), str(line.get("text", "")))}
+            text = str(line.get("text", ""))
+            shown = self._finding(str(line["subject"]), text)
+            if shown == text:
+                return line
+            return {name: each for name, each in line.items() if name != "wording"} | {
+                "text": shown
+            }
         return instead.get(line, line) if isinstance(line, str) and self.blind else line
 
     def _finding(self, subject: str, text: str) -> str:
         """What a check found out about `subject`."""
         if self.blind and subject == "experiment":
-            return "the file has something odd"
+            return Sentence("session.file_odd", "the file has something odd")
         kind = perceived_kind(subject)
-        return "gives values" if kind and self.perception.keeps(kind) else text
+        return (
+            Sentence("session.gives_values", "gives values")
+            if kind and self.perception.keeps(kind)
+            else text
+        )
 
     # -- the stream -------------------------------------------------------------------------------
 
@@ -332,7 +343,9 @@ class Redactor:
         match message:
             case m.Notice(driver=driver, level=level):
                 words["text"] = f"{driver and f'{driver}: '}{_NOT_SHOWN.format(f'this {level}')}"
-                words["remedy"] = "read it in the log after the session"
+                words["remedy"] = Sentence(
+                    "session.read_later", "read it in the log after the session"
+                )
             case m.Done():
                 words |= {"sent": {}, "duration_us": 0}
             case m.End() | m.ActionEnd():
@@ -388,7 +401,12 @@ class Redactor:
     def _reloaded(self, message: m.ExperimentReloaded) -> m.Message:
         changes = [change for change in message.changes if change not in message.telling]
         if len(changes) < len(message.changes):
-            changes.append("other changes, which could reveal the condition")
+            changes.append(
+                Sentence(
+                    "session.other_changes",
+                    "other changes, which could reveal the condition",
+                )
+            )
         return replace(message, changes=changes, telling=[])
 
     def _shown_values(self, message: m.BodyChanged | m.SettingsShown) -> m.Message:

@@ -36,6 +36,7 @@ from woz_tui.protocol.action_messages import OF_CONSOLES, is_by_hand
 from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.protocol.requesters import WIZARD
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.action_runner import ActionRunner, LastAct
 from woz_tui.session.action_texts import (
     NOTHING_GIVEN,
@@ -204,7 +205,7 @@ class Session:
         for timer in self._timers.values():
             timer.cancel()
         self.features.close()
-        self.runner.stop_waiting("the session ends")
+        self.runner.stop_waiting(Sentence("session.ends", "the session ends"))
         await self.bus.drain(1.0)
         if rest and not self.bus.latched:
             await self._driver_manager.rest()
@@ -299,7 +300,15 @@ class Session:
             self.runner.refuse(name, panel, origin, refusal.reason)
             self.features.after_play()
             if refusal.code == "stale":
-                raise RequestError(f"{name!r} not played ({stale})", refusal.remedy)
+                raise RequestError(
+                    Sentence(
+                        "session.not_played",
+                        "{name!r} not played ({stale})",
+                        name=name,
+                        stale=stale,
+                    ),
+                    refusal.remedy,
+                )
             raise RequestError.of(refusal)
         assert action is not None
         if not action.steps and beside:
@@ -407,7 +416,9 @@ class Session:
         """How an action would go if it were played now. Raises `RequestError`."""
         action = self.experiment.action(name)
         if action is None:
-            raise RequestError(f"there is no action {name!r}")
+            raise RequestError(
+                Sentence("session.no_action", "there is no action {name!r}", name=name)
+            )
         try:
             steps = self.texts.preview(action)
         except MissingValueError as error:
@@ -467,7 +478,11 @@ class Session:
     def too_old(self, age_us: int) -> str:
         """Why a press of this age is not played; empty if it may be."""
         if age_us > self.experiment.session.stale_after * 1_000_000:
-            return f"too late: the key was pressed {age_us / 1_000_000:.1f} s ago"
+            return Sentence(
+                "session.too_late",
+                "too late: the key was pressed {seconds:.1f} s ago",
+                seconds=age_us / 1_000_000,
+            )
         return ""
 
     def log_too_old(self, refusal: Refusal) -> None:
@@ -489,11 +504,32 @@ class Session:
         if len(offering) == 1:
             return offering[0]
         if offering:
-            reason = f"{verb!r} is offered by {' and '.join(offering)}"
-            return Refusal("unknown", reason, "name one of them with `on`")
+            reason = Sentence(
+                "session.several_offer",
+                "{verb!r} is offered by {names}",
+                verb=verb,
+                names=" and ".join(offering),
+            )
+            return Refusal(
+                "unknown",
+                reason,
+                Sentence("session.name_driver", "name one of them with `on`"),
+            )
         verbs = sorted({known for offered in self.bus.verbs.values() for known in offered})
-        reason = f"no driver{f' {on!r}' if on else ''} offers {verb!r}"
-        return Refusal("unknown", reason, f"there are {', '.join(verbs)}")
+        if on:
+            reason = Sentence(
+                "session.driver_offers_not",
+                "no driver {driver!r} offers {verb!r}",
+                driver=on,
+                verb=verb,
+            )
+        else:
+            reason = Sentence("session.nobody_offers", "no driver offers {verb!r}", verb=verb)
+        return Refusal(
+            "unknown",
+            reason,
+            Sentence("session.there_are", "there are {names}", names=", ".join(verbs)),
+        )
 
     def _on_message(self, message: m.Message) -> None:
         """A message of this session: the state first, then who follows what goes on in it. Drivers
@@ -519,13 +555,13 @@ class Session:
 
     def cancel(self, run: str, by: str = WIZARD) -> None:
         """Cut one run short. `by`: who wants it."""
-        if not self.runner.cancel(run, f"cancelled by {by}"):
-            raise RequestError(f"{run} is not running")
+        if not self.runner.cancel(run, Sentence("session.cancelled", "cancelled by {by}", by=by)):
+            raise RequestError(Sentence("session.not_running", "{run} is not running", run=run))
 
     def empty_queue(self, by: str) -> None:
         """End whatever waits for its turn; what runs goes on. `by`: who wants it."""
-        if not self.runner.empty(f"queue emptied by {by}"):
-            raise RequestError("nothing is queued")
+        if not self.runner.empty(Sentence("session.queue_emptied", "queue emptied by {by}", by=by)):
+            raise RequestError(Sentence("session.nothing_queued", "nothing is queued"))
 
     # -- the stop ----------------------------------------------------------------------------
 
@@ -537,7 +573,7 @@ class Session:
         """
         self.bus.stop(source, None if sent_us is None else self._when_pressed(sent_us))
         self._driver_manager.stop_resting()
-        self.runner.stop_waiting("stop pressed")
+        self.runner.stop_waiting(Sentence("session.stop_pressed", "stop pressed"))
 
     def _when_pressed(self, sent_us: int) -> int:
         """When a stop was pressed, on the axis of `t`; 0 where its stamp cannot be true."""
@@ -629,14 +665,16 @@ class Session:
         ahead = self.features.front()
         front = [each for each in found if each.panel in ahead]
         if not found:
-            raise RequestError(f"no action has the key {key!r}")
+            raise RequestError(Sentence("session.no_key", "no action has the key {key!r}", key=key))
         return (front or found)[0].name
 
     def take_hand(self, panel: str, hand: HandInput) -> None:
         """Hand on what a hand does at the controls of the driver `panel`."""
         driver = self.drivers.get(panel)
         if driver is None:
-            raise RequestError(f"there is no driver {panel!r}")
+            raise RequestError(
+                Sentence("session.no_driver", "there is no driver {panel!r}", panel=panel)
+            )
         try:
             driver.take_hand(hand)
         except RejectedError as error:
@@ -669,7 +707,12 @@ class Session:
         if one does.
         """
         if not self.recorder.waive(self.hub.now()):
-            raise RequestError("the log is written: nothing is refused for it")
+            raise RequestError(
+                Sentence(
+                    "session.recorded",
+                    "the log is written: nothing is refused for it",
+                )
+            )
         self.hub.publish(m.RecordWaived())
         self.hub.publish(self.recorder.state())
 
@@ -679,13 +722,16 @@ class Session:
         """
         if not -1 <= at <= self.hub.now():
             raise RequestError(
-                "a marker's moment lies between the beginning of the session and now"
+                Sentence(
+                    "session.marker_moment",
+                    "a marker's moment lies between the beginning of the session and now",
+                )
             )
         self.hub.publish(m.Marker(text=text, source=source, tells=tells, at=at))
 
     def note(self, text: str, tells: tuple[str, ...] = ()) -> None:
         if not text.strip():
-            raise RequestError("the note is empty")
+            raise RequestError(Sentence("session.empty_note", "the note is empty"))
         self.hub.publish(m.Note(text=text, tells=tells))
 
     def mistake(self, run: str, text: str, tells: tuple[str, ...] = (), console: str = "") -> None:
@@ -695,9 +741,15 @@ class Session:
         played = self.runner.played
         wrong = run or self.last_act.of(console)
         if not wrong:
-            raise RequestError("nothing has been played yet")
+            raise RequestError(Sentence("session.nothing_played", "nothing has been played yet"))
         if wrong not in played:
-            raise RequestError(f"there is no action with the id {wrong!r}")
+            raise RequestError(
+                Sentence(
+                    "session.no_run",
+                    "there is no action with the id {wrong!r}",
+                    wrong=wrong,
+                )
+            )
         self.hub.publish(m.Mistake(run=wrong, action=played[wrong], text=text, tells=tells))
 
     def set(
@@ -739,7 +791,9 @@ class Session:
 
     def lock(self, panel: str, locked: bool) -> None:
         if panel not in {known.title for known in self.experiment.panels}:
-            raise RequestError(f"there is no panel {panel!r}")
+            raise RequestError(
+                Sentence("session.no_panel", "there is no panel {panel!r}", panel=panel)
+            )
         self.set_lock(panel, locked, "")
 
     def tick(self, check: str, ok: bool, text: str, source: str) -> None:
@@ -747,8 +801,10 @@ class Session:
         known = self.experiment.study.preflight
         if check not in known:
             raise RequestError(
-                f"the preflight list has no {check!r}",
-                f"there are {', '.join(known)}" if known else "the file has none: preflight: [...]",
+                Sentence("session.no_check", "the preflight list has no {check!r}", check=check),
+                Sentence("session.there_are", "there are {names}", names=", ".join(known))
+                if known
+                else Sentence("session.no_checks", "the file has none: preflight: [...]"),
             )
         level = "ok" if ok else "warning"
         self.hub.publish(m.PreflightChecked(check=check, level=level, detail=text, source=source))

@@ -24,6 +24,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.description import Prediction
 from woz_tui.protocol.refusal import Refusal, RequestError
 from woz_tui.protocol.requests import Reply, Request
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.action_runner import ActionRunner
 from woz_tui.session.action_texts import (
     NOTHING_GIVEN,
@@ -219,7 +220,13 @@ class SessionFeature:
 
     def carry_out(self, request: Any, client: Client) -> str:
         """Do what is asked; the id of the run or command that it has begun, if any."""
-        raise RequestError(f"{type(request).__name__} cannot be used here")
+        raise RequestError(
+            Sentence(
+                "session.not_here",
+                "{name} cannot be used here",
+                name=type(request).__name__,
+            )
+        )
 
     def defer(self, request: Request, client: Client, decide: Decide) -> bool:
         """Whether a client's request waits until somebody has decided; then the feature calls
@@ -232,7 +239,9 @@ class SessionFeature:
 
     def carry_out_ask(self, ask: Ask, origin: RequestOrigin, stale: str) -> None:
         """Do what a driver asks for. `stale`: why it is too old; empty: it is not."""
-        raise RequestError(f"a driver cannot ask for {ask.what!r}")
+        raise RequestError(
+            Sentence("session.driver_asks", "a driver cannot ask for {what!r}", what=ask.what)
+        )
 
     def after_play(self) -> None:
         """An action was played or refused, and what happened with that at once is in the log."""
@@ -241,7 +250,13 @@ class SessionFeature:
         """What the reply's `data` holds, where that is to be read from files. Called in a thread of
         its own, one request after the other; what it raises is the answer.
         """
-        raise RequestError(f"{type(request).__name__} cannot be used here")
+        raise RequestError(
+            Sentence(
+                "session.not_here",
+                "{name} cannot be used here",
+                name=type(request).__name__,
+            )
+        )
 
     def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str | None:
         """Play an action of its own that has no steps; the run's id, or None: it is not its own.
@@ -459,7 +474,10 @@ class SessionFeatures:
     def start(self, name: str, value: object) -> None:
         """The session begins with this value for the feature `name`."""
         if name not in self._all:
-            raise RequestError(f"{name} failed and cannot begin", IN_HOST_LOG)
+            raise RequestError(
+                Sentence("session.cannot_begin", "{name} failed and cannot begin", name=name),
+                IN_HOST_LOG,
+            )
         self._all[name].start(value)
         self._look_at(name)
 
@@ -471,7 +489,12 @@ class SessionFeatures:
     def begin(self) -> None:
         """The session begins."""
         for name, why in left_out().items():
-            text = f"the feature {name} is left out: {why}"
+            text = Sentence(
+                "session.feature_left_out",
+                "the feature {name} is left out: {why}",
+                name=name,
+                why=why,
+            )
             self._session.hub.publish(m.Notice(level="warning", text=text, remedy=IN_HOST_LOG))
         for name, feature in [*self._with["begin"].items()]:
             self._safely(name, feature.begin, None)
@@ -513,7 +536,14 @@ class SessionFeatures:
         finally:
             self._look_at(name)
         if run is _FAILED:
-            raise RequestError(f"{name} failed and is not used any more", IN_HOST_LOG)
+            raise RequestError(
+                Sentence(
+                    "session.not_used",
+                    "{name} failed and is not used any more",
+                    name=name,
+                ),
+                IN_HOST_LOG,
+            )
         return run or ""
 
     def defer(self, request: Request, client: Client, decide: Decide) -> bool:
@@ -521,7 +551,14 @@ class SessionFeatures:
         for name, feature in [*self._with["defer"].items()]:
             waits = self._answer(name, feature.defer, None, request, client, decide)
             if waits is None:
-                raise RequestError(f"{name} failed and is not used any more", IN_HOST_LOG)
+                raise RequestError(
+                    Sentence(
+                        "session.not_used",
+                        "{name} failed and is not used any more",
+                        name=name,
+                    ),
+                    IN_HOST_LOG,
+                )
             if waits:
                 return True
         return False
@@ -536,7 +573,9 @@ class SessionFeatures:
         name = self._asked.get(ask.what)
         feature = self._all.get(name or "")
         if name is None or feature is None:
-            raise RequestError(f"a driver cannot ask for {ask.what!r}")
+            raise RequestError(
+                Sentence("session.driver_asks", "a driver cannot ask for {what!r}", what=ask.what)
+            )
         try:
             self._answer(name, feature.carry_out_ask, None, ask, origin, stale)
         finally:
@@ -556,7 +595,13 @@ class SessionFeatures:
         name = self._answering.get(type(request), "")
         feature = self._all.get(name)
         if feature is None:
-            raise RequestError(f"{type(request).__name__} cannot be used here")
+            raise RequestError(
+                Sentence(
+                    "session.not_here",
+                    "{name} cannot be used here",
+                    name=type(request).__name__,
+                )
+            )
         return name, feature
 
     def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str:
@@ -567,7 +612,14 @@ class SessionFeatures:
             run = self._answer(name, feature.play, None, action, origin, when_busy, at)
             if run is not None:
                 return run
-        raise RequestError(f"{action.name!r} is played by a feature that failed", IN_HOST_LOG)
+        raise RequestError(
+            Sentence(
+                "session.player_failed",
+                "{name!r} is played by a feature that failed",
+                name=action.name,
+            ),
+            IN_HOST_LOG,
+        )
 
     def adopt(self, experiment: Experiment) -> None:
         """The session goes on with a file that was read again."""
@@ -609,7 +661,12 @@ class SessionFeatures:
         for name, feature in checking:
             given = self._answer(name, feature.check_given, given, action, given)
         if not checking or len(checking) > len(self._with["check_given"]):
-            raise RequestError("values that come with a request cannot be checked", IN_HOST_LOG)
+            raise RequestError(
+                Sentence(
+                    "session.values_unchecked", "values that come with a request cannot be checked"
+                ),
+                IN_HOST_LOG,
+            )
         return given
 
     def filled(self, run: str, action: Action, given: GivenValues) -> None:
@@ -674,7 +731,12 @@ class SessionFeatures:
         log.error("the feature %s failed", name, exc_info=error)
         self._give_up(name)
         # Without the error's words: they may tell what is kept from some.
-        text = f"{name} failed and is not used any more ({type(error).__name__})"
+        text = Sentence(
+            "session.failed_with",
+            "{name} failed and is not used any more ({error})",
+            name=name,
+            error=type(error).__name__,
+        )
         self._session.hub.publish(m.Notice(level="error", text=text, remedy=IN_HOST_LOG))
 
     def _give_up(self, name: str) -> None:

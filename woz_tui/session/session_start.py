@@ -14,6 +14,7 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.drivers import plugins
 from woz_tui.log.file_names import from_folder, home_folder
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.system.clock import Clock, boot_id, timestamp
 from woz_tui.system.provenance import software
@@ -88,7 +89,11 @@ def _publish_key_notices(hub: Hub, experiment: Experiment) -> None:
         text = f"line {problem.place.line}, {problem.where or problem.path}: {problem.message}"
         hub.publish(m.Notice(level="warning", text=text, tells=("condition",)))
     if len(odd) > _MOST_KEYS:
-        text = f"{len(odd) - _MOST_KEYS} more keys differ from the file"
+        text = Sentence(
+            "session.more_keys",
+            "{count} more keys differ from the file",
+            count=len(odd) - _MOST_KEYS,
+        )
         remedy = f"woz check {experiment.path.name}"
         hub.publish(m.Notice(level="warning", text=text, remedy=remedy))
 

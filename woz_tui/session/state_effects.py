@@ -24,6 +24,7 @@ from woz_tui.gate.questions import PlayEffect
 from woz_tui.gate.table import why_not
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import SPEAKING_VERBS
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.model_time import SECOND
 from woz_tui.sensing.state_machine import State
@@ -67,7 +68,7 @@ class StateEffects:
 
     def model_removed(self) -> None:
         """There is no model any more. What waits is dropped, and another one begins anew."""
-        self._leave("the engagement model was removed")
+        self._leave(Sentence("session.engagement_removed", "the engagement model was removed"))
         self._runs.clear()
         self._left.clear()
         self._state = State.WAIT
@@ -85,7 +86,12 @@ class StateEffects:
         if engagement is None:
             return
         if self._chased(change.t):
-            self._report("the states change in a loop; actions of on_enter are not played")
+            self._report(
+                Sentence(
+                    "session.states_loop",
+                    "the states change in a loop; actions of on_enter are not played",
+                )
+            )
             return
         again = change.now == State.KNOWN and change.was in _TURNS
         action = engagement.effects.get(change.now)
@@ -154,7 +160,7 @@ class StateEffects:
         """
         action = self._robot.session.experiment.action(name)
         if action is None:
-            self._report(f"there is no action {name!r}")
+            self._report(Sentence("session.no_action", "there is no action {name!r}", name=name))
             return
         refusal = why_not(Facts(locked=self._locked), PlayEffect(name, action))
         if refusal is not None:
@@ -196,10 +202,22 @@ class StateEffects:
 
     def _report_signal(self, call: Call, end: m.End) -> None:
         if isinstance(end, m.Failed | m.TimedOut):
-            text = f"{call.verb} failed on {call.driver}: {end.reason}"
+            text = Sentence(
+                "session.verb_failed",
+                "{verb} failed on {driver}: {reason}",
+                verb=call.verb,
+                driver=call.driver,
+                reason=end.reason,
+            )
             self._report(text, end.remedy, end.tells)
         elif isinstance(end, m.Refused) and end.code not in ("busy", "stopped"):
-            text = f"{call.driver} refuses {call.verb}: {end.reason}"
+            text = Sentence(
+                "session.verb_refused",
+                "{driver} refuses {verb}: {reason}",
+                driver=call.driver,
+                verb=call.verb,
+                reason=end.reason,
+            )
             self._report(text, end.remedy, end.tells)
 
     def _report(self, why: str, remedy: str = "", tells: tuple[str, ...] = ()) -> None:
@@ -207,7 +225,12 @@ class StateEffects:
         if why not in self._reported:
             self._reported.add(why)
             self._robot.session.hub.publish(
-                m.Notice(level="warning", text=f"engagement: {why}", remedy=remedy, tells=tells)
+                m.Notice(
+                    level="warning",
+                    text=Sentence("session.of_engagement", "engagement: {why}", why=why),
+                    remedy=remedy,
+                    tells=tells,
+                )
             )
 
 

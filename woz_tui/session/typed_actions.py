@@ -21,6 +21,7 @@ from woz_tui.config.reload_changes import compare
 from woz_tui.protocol.markup import sentence
 from woz_tui.protocol.panels import TYPED, TYPED_NAME
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 
 #: So many are kept; the first make way.
 MOST = 40
@@ -112,7 +113,14 @@ def copy_with_sentences(path: Path, typed: Sequence[Action], read: Reader) -> Ex
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise RequestError(f"{path} cannot be read: {error.strerror}") from error
+        raise RequestError(
+            Sentence(
+                "session.unreadable",
+                "{path} cannot be read: {strerror}",
+                path=path,
+                strerror=error.strerror,
+            )
+        ) from error
     base = read(data)
     actions = _for_file(base, typed)
     if not actions:
@@ -131,7 +139,12 @@ def write_beside(path: Path, copy: ExperimentCopy) -> ExperimentCopy:
     try:
         return replace(copy, file=write_copy(path, copy.data))
     except OSError as error:
-        why = f"no copy could be written to {path.parent}: {error.strerror or error}"
+        why = Sentence(
+            "session.no_copy",
+            "no copy could be written to {folder}: {problem}",
+            folder=path.parent,
+            problem=error.strerror or error,
+        )
         raise RequestError(why) from error
 
 
@@ -178,10 +191,18 @@ def _check_copy(base: Experiment, actions: Sequence[Action], data: bytes, read: 
         # Its words may quote what a wizard who is blind to the condition must not read.
         line = error.problems[0].place.line
         raise RequestError(
-            f"with these sentences the file would have an error in line {line}"
+            Sentence(
+                "session.typed_error",
+                "with these sentences the file would have an error in line {line}",
+                line=line,
+            )
         ) from error
     if compare(with_typed(base, actions), new).changes:
-        raise RequestError("this file has no place where sentences can be added safely")
+        raise RequestError(
+            Sentence(
+                "session.no_place", "this file has no place where sentences can be added safely"
+            )
+        )
 
 
 def _free_key(experiment: Experiment, wanted: str) -> str:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from woz_tui.config.experiment import Call, TextVariants
 from woz_tui.config.utterance_template import HIDDEN_TEXT, OF_VISITOR, fill, names
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence
 
 #: Chooses one of the variants.
 Pick = Callable[[Sequence[str]], str]
@@ -124,8 +125,14 @@ def waiting(condition: str) -> str:
     """Why what depends on the condition has no text; the condition is not named, since the wizard
     may not be told.
     """
-    waits = "the file has no text for the present condition" if condition else "no condition is set"
-    return f"depends on the condition, and {waits}"
+    waits = (
+        Sentence("session.no_text", "the file has no text for the present condition")
+        if condition
+        else Sentence("session.condition_unset", "no condition is set")
+    )
+    return Sentence(
+        "session.depends_on_condition", "depends on the condition, and {waits}", waits=waits
+    )
 
 
 def _value(name: str, values: VariableValues) -> str:

@@ -18,6 +18,7 @@ from woz_tui.config.file_position import NOWHERE
 from woz_tui.config.performers import ENGAGEMENT
 from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, SPEECH_TEXT
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.sensing.engagement_model import Transition
 from woz_tui.sensing.name_handshake import (
     Handshake,
@@ -187,8 +188,18 @@ def _learn_faces(robot: EngagementRobot, change: Transition, *, asked: bool) -> 
         robot.session.hub.publish(
             m.Notice(
                 level="info",
-                text=f"the face of {name} is not learnt: nobody has said that it may be",
-                remedy=f"if they agree, play `{FACE_CONSENT}: {name}`, then `{LEARN_FACE}: {name}`",
+                text=Sentence(
+                    "session.face_unconsented",
+                    "the face of {name} is not learnt: nobody has said that it may be",
+                    name=name,
+                ),
+                remedy=Sentence(
+                    "session.ask_consent",
+                    "if they agree, play `{face_consent}: {name}`, then `{learn_face}: {name}`",
+                    face_consent=FACE_CONSENT,
+                    name=name,
+                    learn_face=LEARN_FACE,
+                ),
                 tells=IDENTITY,
             )
         )
@@ -206,8 +217,19 @@ def _learn_face(robot: EngagementRobot, driver: str, name: str) -> None:
             robot.session.hub.publish(
                 m.Notice(
                     level="warning",
-                    text=f"{driver} did not learn the face of {name}: {end.reason}",
-                    remedy=f"play `{LEARN_FACE}: {name}` while the visitor is there",
+                    text=Sentence(
+                        "session.face_not_learnt",
+                        "{driver} did not learn the face of {name}: {reason}",
+                        driver=driver,
+                        name=name,
+                        reason=end.reason,
+                    ),
+                    remedy=Sentence(
+                        "session.learn_while_there",
+                        "play `{learn_face}: {name}` while the visitor is there",
+                        learn_face=LEARN_FACE,
+                        name=name,
+                    ),
                     tells=IDENTITY,
                 )
             )
@@ -325,8 +347,11 @@ class VisitorRecognition:
             self._introduce()
         elif state is State.UNKNOWN and self._unasked:
             self._notice(
-                "its time was over while the stop was pressed",
-                "`handshake: begin` asks again; `visitor` gives a name",
+                Sentence("session.time_over", "its time was over while the stop was pressed"),
+                Sentence(
+                    "session.ask_again",
+                    "`handshake: begin` asks again; `visitor` gives a name",
+                ),
             )
         self._unasked = False
 
@@ -339,13 +364,20 @@ class VisitorRecognition:
         settings = self._settings.handshake
         voice = self._voice()
         if settings.by == "robot" and not voice:
-            self._notice("the robot cannot ask for a name: no driver speaks")
+            self._notice(
+                Sentence("session.no_speaker", "the robot cannot ask for a name: no driver speaks")
+            )
         elif settings.by != "robot":
-            self._notice("a visitor has no name: who is it?")
+            self._notice(Sentence("session.no_name", "a visitor has no name: who is it?"))
         elif not self._robot.is_stopped:
             drivers = self._robot.session.experiment.drivers
             if not any(SPEECH_TEXT in spec.offer.sensors for spec in drivers):
-                self._notice("the robot asks for a name, but no device recognises the answer")
+                self._notice(
+                    Sentence(
+                        "session.no_recogniser",
+                        "the robot asks for a name, but no device recognises the answer",
+                    )
+                )
             self._introduction = RobotHandshake(
                 self._robot, settings, voice, self.visitors.is_taken
             )
@@ -364,12 +396,15 @@ class VisitorRecognition:
     def _notice(
         self,
         text: str,
-        remedy: str = "use `visitor` to give a name, or `handshake: fail` to continue without one",
+        remedy: str = Sentence(
+            "session.give_name",
+            "use `visitor` to give a name, or `handshake: fail` to continue without one",
+        ),
     ) -> None:
         self._robot.session.hub.publish(
             m.Notice(
                 level="info",
-                text=f"handshake: {text}",
+                text=Sentence("session.handshake", "handshake: {text}", text=text),
                 remedy=remedy,
                 tells=("engagement",),
             )

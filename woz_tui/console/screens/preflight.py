@@ -18,6 +18,7 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from woz_tui.config.keys.terminals import Terminal
+from woz_tui.config.screen_language import worded_data
 from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.drawing.key_caps import KeyCap, key_name
 from woz_tui.console.screens.dialog import ReportDialog, refusal_text
@@ -42,7 +43,7 @@ def _findings(data: object) -> list[Finding]:
     found = []
     for item in data if isinstance(data, list) else ():
         with contextlib.suppress(msgspec.ValidationError):
-            found.append(msgspec.convert(item, Finding))
+            found.append(msgspec.convert(worded_data(item), Finding))
     return found
 
 

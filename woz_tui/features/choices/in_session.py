@@ -24,6 +24,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import PARTICIPANT
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session_features import Client, FeatureSession, PerformingFeature
 
 #: What a participant chose tells what they said, to who may not hear that.
@@ -77,7 +78,12 @@ class ChoicesInSession(PerformingFeature):
         )
         if not any(each.role == PARTICIPANT for each in self.session.state.consoles.values()):
             text = f"nobody has the participant's page open to see the choice {name}"
-            notice = m.Notice(level="warning", text=text, remedy="woz page", tells=self._tells)
+            notice = m.Notice(
+                level="warning",
+                text=text,
+                remedy=Sentence("choices.woz_page", "woz page"),
+                tells=self._tells,
+            )
             self.session.hub.publish(notice)
         return {"name": name}
 
@@ -97,7 +103,13 @@ class ChoicesInSession(PerformingFeature):
             raise RequestError(_NOT_OFFERED)
         option = next((each for each in choice.options if each.text == request.option), None)
         if option is None:
-            raise RequestError(f"there is no option {request.option!r}")
+            raise RequestError(
+                Sentence(
+                    "choices.no_option",
+                    "there is no option {option!r}",
+                    option=request.option,
+                )
+            )
         self.session.hub.publish(
             ChoiceMade(
                 choice=offered.choice,
@@ -117,7 +129,7 @@ class ChoicesInSession(PerformingFeature):
         if offered is None or choice is None or offered.seq != request.offer:
             raise RequestError(_NOT_OFFERED)
         if not 0 <= request.place < len(choice.options):
-            raise RequestError("there is no such option")
+            raise RequestError(Sentence("choices.unknown", "there is no such option"))
         file = Path(choice.options[request.place].picture)
         try:
             with file.open("rb") as opened:
@@ -125,7 +137,7 @@ class ChoicesInSession(PerformingFeature):
         except OSError as error:
             raise RequestError(f"{file.name}: {error.strerror}") from error
         if len(content) > MOST_BYTES:
-            raise RequestError(f"{file.name} is too large")
+            raise RequestError(Sentence("choices.too_large", "{name} is too large", name=file.name))
         kind = PICTURES.get(file.suffix.lower(), "")
         return {"type": kind, "bytes": base64.b64encode(content).decode()}
 

@@ -10,6 +10,7 @@ from woz_tui.features.dictation.kinds import AskDictated, Dictated, DictationSai
 from woz_tui.features.proposals.clean_text import cleaned
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 
 #: Characters of a text at the most.
@@ -30,10 +31,10 @@ class DictationInSession(SessionFeature):
 
     def carry_out(self, request: AskDictated, client: Client) -> str:
         if client.role != "program":
-            raise RequestError("`woz dictate` dictates")
+            raise RequestError(Sentence("dictation.only_dictation", "`woz dictate` dictates"))
         text = cleaned(request.text)[:LONGEST]
         if not text:
-            raise RequestError("nothing was dictated")
+            raise RequestError(Sentence("dictation.nothing", "nothing was dictated"))
         self._count += 1
         self._waiting.append(
             self.session.hub.publish(

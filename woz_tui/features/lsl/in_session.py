@@ -16,6 +16,7 @@ from woz_tui.features.lsl.kinds import (
 from woz_tui.features.lsl.section import LSL, TakenEntry
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 
 #: The source of markers that came over a stream and want no answer.
@@ -46,15 +47,18 @@ class LslInSession(SessionFeature):
 
     def carry_out(self, request: AskLslBegin | AskLslTell | AskLslTake, client: Client) -> str:
         if client.role != "program":
-            raise RequestError("only a program sends a session as streams")
+            raise RequestError(
+                Sentence("lsl.only_programs", "only a program sends a session as streams")
+            )
         if isinstance(request, AskLslBegin):
             if self._console not in ("", client.console):
                 raise RequestError(
-                    "another `woz lsl` sends this session already", "end that one first"
+                    Sentence("lsl.sent_already", "another `woz lsl` sends this session already"),
+                    Sentence("lsl.end_first", "end that one first"),
                 )
             self._console = client.console
         elif self._console != client.console:
-            raise RequestError("begin with lsl.begin")
+            raise RequestError(Sentence("lsl.begin_first", "begin with lsl.begin"))
         elif isinstance(request, AskLslTell):
             self.session.hub.publish(request.told)
         else:
@@ -65,12 +69,17 @@ class LslInSession(SessionFeature):
         entry = self._taken(request.stream)
         if entry is None:
             raise RequestError(
-                f"the file takes no stream {request.stream!r}", "name it: lsl: {take: [...]}"
+                Sentence(
+                    "lsl.not_taken",
+                    "the file takes no stream {stream!r}",
+                    stream=request.stream,
+                ),
+                Sentence("lsl.name_it", "name it: lsl: {{take: [...]}}"),
             )
         hub = self.session.hub
         if entry.as_ == "reading":
             if request.value is None:
-                raise RequestError("a reading is a number")
+                raise RequestError(Sentence("lsl.no_number", "a reading is a number"))
             hub.publish(m.Reading(sensor=entry.called, value=request.value, driver=SOURCE))
             return
         marker = m.Marker(
@@ -95,7 +104,13 @@ class LslInSession(SessionFeature):
         history = self.session.state.history(LslHistory)
         there = [(name, True) for name in history.sent] + [(name, False) for name in history.found]
         for stream, sent in there:
-            self.session.hub.publish(LslLost(stream=stream, why="woz lsl has ended", outgoing=sent))
+            self.session.hub.publish(
+                LslLost(
+                    stream=stream,
+                    why=Sentence("lsl.ended", "woz lsl has ended"),
+                    outgoing=sent,
+                )
+            )
 
     def companion(self) -> str:
         settings = LSL.of(self.session.experiment)
@@ -107,22 +122,50 @@ class LslInSession(SessionFeature):
             if LSL.of(self.session.experiment) is None:
                 return []
             start = f"woz lsl {self.session.identity.session}"
-            return [Finding("warning", "lsl", "`woz lsl` does not run: nothing is sent", start)]
+            return [
+                Finding(
+                    "warning",
+                    "lsl",
+                    Sentence("lsl.not_running", "`woz lsl` does not run: nothing is sent"),
+                    start,
+                )
+            ]
         history = self.session.state.history(LslHistory)
         findings = [
-            Finding("ok", stream.stream, "a recorder takes it")
+            Finding("ok", stream.stream, Sentence("lsl.recorded", "a recorder takes it"))
             if stream.taken
-            else Finding("warning", stream.stream, "nobody records it", "begin the lab's recording")
+            else Finding(
+                "warning",
+                stream.stream,
+                Sentence("lsl.not_recorded", "nobody records it"),
+                Sentence("lsl.begin_recording", "begin the lab's recording"),
+            )
             for stream in history.sent.values()
         ]
         for taken in self._said.takes:
             found = history.found.get(taken.stream)
             if found is not None:
                 where = found.host or "this network"
-                findings.append(Finding("ok", taken.stream, f"it comes from {where}"))
+                findings.append(
+                    Finding(
+                        "ok",
+                        taken.stream,
+                        Sentence("lsl.comes_from", "it comes from {where}", where=where),
+                    )
+                )
             else:
-                remedy = "start the program that sends it, or look at its name"
-                findings.append(Finding("warning", taken.stream, "there is no such stream", remedy))
+                remedy = Sentence(
+                    "lsl.start_source",
+                    "start the program that sends it, or look at its name",
+                )
+                findings.append(
+                    Finding(
+                        "warning",
+                        taken.stream,
+                        Sentence("lsl.no_stream", "there is no such stream"),
+                        remedy,
+                    )
+                )
         return findings
 
 

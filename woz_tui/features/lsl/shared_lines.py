@@ -47,7 +47,7 @@ class SharedLines:
             message.private or "texts" not in self._shares
         ):
             return None
-        fields: dict[str, Any] = msgspec.to_builtins(message)
+        fields: dict[str, Any] = msgspec.to_builtins(message, enc_hook=str)
         if "texts" not in self._shares:
             fields = redacted(fields)
         left: dict[str, Any] = self._without(fields)

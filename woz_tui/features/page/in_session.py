@@ -9,6 +9,7 @@ from woz_tui.features.page.history import PageHistory
 from woz_tui.features.page.kinds import MOST_TEXT, AskPageTell, PageClosed, PageFailed
 from woz_tui.features.page.section import PAGE, command_line
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session_features import Client, SessionFeature
 
 #: For whom pages are, in words.
@@ -22,10 +23,14 @@ class PageInSession(SessionFeature):
 
     def carry_out(self, request: AskPageTell, client: Client) -> str:
         if client.role != "program":
-            raise RequestError("only the program of the pages tells of them")
+            raise RequestError(
+                Sentence("page.only_program", "only the program of the pages tells of them")
+            )
         told = request.told
         if len(told.why if isinstance(told, PageFailed) else told.address) > MOST_TEXT:
-            raise RequestError(f"more than {MOST_TEXT} characters")
+            raise RequestError(
+                Sentence("page.too_long", "more than {most_text} characters", most_text=MOST_TEXT)
+            )
         self.session.hub.publish(replace(told, console=client.console))
         return ""
 

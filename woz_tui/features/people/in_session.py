@@ -13,6 +13,7 @@ from woz_tui.features.people.section import CODE, PEOPLE
 from woz_tui.features.slots.slot_value import SlotValueError
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.participant_identity import check_participant
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 from woz_tui.session.variables import VariableValues
@@ -49,7 +50,11 @@ class PeopleInSession(SessionFeature):
         return VariableValues(
             {variable: told[name] for variable, name in names.items() if name in told},
             why=dict.fromkeys(
-                names, "nothing is known of it; enter it with the participant's code"
+                names,
+                Sentence(
+                    "people.unknown",
+                    "nothing is known of it; enter it with the participant's code",
+                ),
             ),
             tells=dict.fromkeys(names, tells),
         )
@@ -60,7 +65,12 @@ class PeopleInSession(SessionFeature):
         for name, text in request.fields.items():
             if name not in self._known.fields:
                 raise RequestError(
-                    f"participants have no field {name!r}", conditions=[*self._known.fields]
+                    Sentence(
+                        "people.no_field",
+                        "participants have no field {name!r}",
+                        name=name,
+                    ),
+                    conditions=[*self._known.fields],
                 )
             try:
                 fields[name] = self._known.checked(name, text)

@@ -14,6 +14,7 @@ from woz_tui.features.phases.section import PHASES, Phase, PresentPhase, locked_
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 
 #: What has locked a panel, or played an action, where a phase did.
@@ -79,24 +80,49 @@ class PhaseController(SessionFeature):
         phases = PHASES.of(experiment)
         if not phases:
             raise RequestError(
-                "the experiment has no phases", "add them to the file: phases: [...]"
+                Sentence("phases.none", "the experiment has no phases"),
+                Sentence("phases.add", "add them to the file: phases: [...]"),
             )
         if self.session.state.study.between_trials:
-            raise RequestError("phases begin with a trial", "begin one", command="trial")
+            raise RequestError(
+                Sentence("phases.with_trial", "phases begin with a trial"),
+                Sentence("phases.begin_trial", "begin one"),
+                command="trial",
+            )
         if not name:
             following = next_phase(self.session.state, phases)
             if following is None:
-                raise RequestError("no later phase can begin now", "choose one", command="phases")
+                raise RequestError(
+                    Sentence("phases.no_later", "no later phase can begin now"),
+                    Sentence("phases.choose", "choose one"),
+                    command="phases",
+                )
             return following
         phase = PHASES.called(experiment, name)
         if phase is None:
             listed = ", ".join(each.name for each in phases)
-            raise RequestError(f"there is no phase {name!r}", f"there are {listed}")
+            raise RequestError(
+                Sentence("phases.unknown", "there is no phase {name!r}", name=name),
+                Sentence("phases.there_are", "there are {listed}", listed=listed),
+            )
         if name == self.name:
-            raise RequestError(f"{phase.heading} is the present phase")
+            raise RequestError(
+                Sentence(
+                    "phases.present",
+                    "{heading} is the present phase",
+                    heading=phase.heading,
+                )
+            )
         if not can_begin(self.session.state, phase, phases):
             before = [each.heading for each in phases if each.name in phase.after]
-            raise RequestError(f"{phase.heading} comes after {' or '.join(before)}")
+            raise RequestError(
+                Sentence(
+                    "phases.comes_after",
+                    "{heading} comes after {names}",
+                    heading=phase.heading,
+                    names=" or ".join(before),
+                )
+            )
         return phase
 
     def enter(self, phase: Phase | None, source: str) -> None:

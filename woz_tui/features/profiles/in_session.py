@@ -10,6 +10,7 @@ from woz_tui.features.profiles.kinds import AskProfile, ProfileChanged
 from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 
 
@@ -30,8 +31,10 @@ class ProfileInUse(SessionFeature):
         known = PROFILES.of(experiment)
         if value and value not in known:
             raise RequestError(
-                f"there is no profile {value!r}",
-                f"there are {', '.join(known)}" if known else "the file has no profiles",
+                Sentence("profiles.unknown", "there is no profile {value!r}", value=value),
+                Sentence("profiles.there_are", "there are {names}", names=", ".join(known))
+                if known
+                else Sentence("profiles.none", "the file has no profiles"),
             )
 
     def start(self, value: str) -> None:
@@ -63,8 +66,16 @@ class ProfileInUse(SessionFeature):
         if name in known:
             self.current = known[name]
             return
-        text = f"the profile {name} was removed from the file, but is still in use"
-        notice = m.Notice(level="warning", text=text, remedy="choose another profile")
+        text = Sentence(
+            "profiles.removed",
+            "the profile {name} was removed from the file, but is still in use",
+            name=name,
+        )
+        notice = m.Notice(
+            level="warning",
+            text=text,
+            remedy=Sentence("profiles.choose", "choose another profile"),
+        )
         self.session.hub.publish(notice)
 
     def fact(self) -> Profile | None:

@@ -57,6 +57,7 @@ from woz_tui.protocol import requests as r
 from woz_tui.protocol.action_messages import BY_PERSON
 from woz_tui.protocol.envelope import Message
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session_features import Client, Decide, FeatureSession, SessionFeature
 from woz_tui.timeline.episodes import Episode, TrialEpisode
 
@@ -98,7 +99,9 @@ class _OpenSet:
         for item in self.offered.items:
             if item.id == name:
                 return item
-        raise RequestError(f"the proposal has no item {name!r}")
+        raise RequestError(
+            Sentence("proposals.no_item", "the proposal has no item {name!r}", name=name)
+        )
 
 
 class ProposalsInSession(SessionFeature):
@@ -215,12 +218,22 @@ class ProposalsInSession(SessionFeature):
                 return False
             case r.AskAction(action=action, slots=slots, when_busy=busy):
                 if self.session.experiment.action(action) is None:
-                    raise RequestError(f"there is no action {action!r}")
+                    raise RequestError(
+                        Sentence(
+                            "proposals.no_action",
+                            "there is no action {action!r}",
+                            action=action,
+                        )
+                    )
                 item = ProposedItem("1", action=action, args={**slots}, when_busy=busy)
                 self._hold(client, request, item, decide)
             case _:
                 raise RequestError(
-                    "this program only proposes: it can ask for verbs and actions, nothing else"
+                    Sentence(
+                        "proposals.verbs_and_actions",
+                        "this program only proposes: it can ask for verbs and actions,"
+                        " nothing else",
+                    )
                 )
         return True
 
@@ -229,23 +242,42 @@ class ProposalsInSession(SessionFeature):
     ) -> None:
         """Until the wizard approves it. What stands there is what will be said."""
         if self.session.state.stop is not None:
-            raise RequestError("the stop is pressed", "the wizard releases it")
+            raise RequestError(
+                Sentence("proposals.stopped", "the stop is pressed"),
+                Sentence("proposals.wizard_releases", "the wizard releases it"),
+            )
         if request.at:
-            raise RequestError("what has to be approved cannot be asked for a later moment")
+            raise RequestError(
+                Sentence(
+                    "proposals.not_later",
+                    "what has to be approved cannot be asked for a later moment",
+                )
+            )
         if client.tells:
             raise RequestError(
-                "the wizard, who does not know everything, cannot approve it",
-                "join with sees='wizard', as `woz mcp` does",
+                Sentence(
+                    "proposals.cannot_approve",
+                    "the wizard, who does not know everything, cannot approve it",
+                ),
+                Sentence("proposals.join_as_wizard", "join with sees='wizard', as `woz mcp` does"),
             )
         if any(each.console == client.console and each.decide for each in self._open.values()):
             raise RequestError(
-                "what this program asked for before still waits for the wizard", "wait for that"
+                Sentence(
+                    "proposals.still_waits",
+                    "what this program asked for before still waits for the wizard",
+                ),
+                Sentence("proposals.wait", "wait for that"),
             )
         texts = [item.text, item.on, *texts_of(item.args)]
         if any(cleaned(text) != text or len(text) > LONGEST for text in texts):
             raise RequestError(
-                f"a text that is to be approved has one line of {LONGEST} characters at the most,"
-                " and no characters that nobody can see"
+                Sentence(
+                    "proposals.text_form",
+                    "a text that is to be approved has one line of {longest} characters at the"
+                    " most, and no characters that nobody can see",
+                    longest=LONGEST,
+                )
             )
         assert self._section is not None
         if item.text:
@@ -270,19 +302,30 @@ class ProposalsInSession(SessionFeature):
             self._propose(request, client)
             return ""
         if client.role != "wizard":
-            raise RequestError("only a wizard takes what is proposed")
+            raise RequestError(
+                Sentence("proposals.only_wizards", "only a wizard takes what is proposed")
+            )
         if isinstance(request, AskShown):
             self._show(request, client)
             return ""
         if (found := self._open.get(request.set)) is None:
-            raise RequestError("this proposal has gone", "look at what is offered now")
+            raise RequestError(
+                Sentence("proposals.gone", "this proposal has gone"),
+                Sentence("proposals.look", "look at what is offered now"),
+            )
         if isinstance(request, AskDismiss):
             self._go(request.set, "dismissed")
             return ""
         if client.stale:
-            raise RequestError(f"not taken ({client.stale})", "press it again")
+            raise RequestError(
+                Sentence("proposals.not_taken", "not taken ({stale})", stale=client.stale),
+                Sentence("proposals.again", "press it again"),
+            )
         if self.session.hub.now() - found.since < SETTLE_US:
-            raise RequestError("not taken: the proposal had only just come", "press it again")
+            raise RequestError(
+                Sentence("proposals.just_came", "not taken: the proposal had only just come"),
+                Sentence("proposals.again", "press it again"),
+            )
         return self._take(request, client, found)
 
     def _show(self, request: AskShown, client: Client) -> None:
@@ -300,37 +343,71 @@ class ProposalsInSession(SessionFeature):
     def _log_model(self, request: AskModelTold, client: Client) -> None:
         """What a model was asked is in the log, whatever comes of it."""
         if client.role != "program" or self._section is None:
-            raise RequestError("only a program can tell what it asked a model")
+            raise RequestError(
+                Sentence(
+                    "proposals.only_programs",
+                    "only a program can tell what it asked a model",
+                )
+            )
         fields = SuggestAsked.__struct_fields__
         own = Message.__struct_fields__
         self.session.hub.publish(
             SuggestAsked(**{name: getattr(request, name) for name in fields if name not in own})
         )
         if request.given_up:
-            text = "The model does not answer: no sentences are proposed for a while"
-            remedy = "look at the program that serves it, and at `woz suggest`"
+            text = Sentence(
+                "proposals.no_model",
+                "The model does not answer: no sentences are proposed for a while",
+            )
+            remedy = Sentence(
+                "proposals.look_at_server",
+                "look at the program that serves it, and at `woz suggest`",
+            )
             self.session.hub.publish(m.Notice(level="warning", text=text, remedy=remedy))
 
     def _propose(self, request: AskPropose, client: Client) -> None:
         if client.role != "program" or self._section is None:
             raise RequestError(
-                "programs propose, where the experiment file has suggest: or programs:"
+                Sentence(
+                    "proposals.needs_section",
+                    "programs propose, where the experiment file has suggest: or programs:",
+                )
             )
         items: list[ProposedItem] = []
         for text in map(cleaned, request.texts):
             if not text or len(text) > LONGEST:
-                raise RequestError(f"a proposed text has 1 to {LONGEST} characters")
+                raise RequestError(
+                    Sentence(
+                        "proposals.text_length",
+                        "a proposed text has 1 to {longest} characters",
+                        longest=LONGEST,
+                    )
+                )
             items.append(self._marked(ProposedItem(str(len(items) + 1), text=text)))
         for action in request.actions:
             if self.session.experiment.action(action) is None:
-                raise RequestError(f"there is no action {action!r}")
+                raise RequestError(
+                    Sentence(
+                        "proposals.no_action",
+                        "there is no action {action!r}",
+                        action=action,
+                    )
+                )
             items.append(ProposedItem(str(len(items) + 1), action=action))
         if not 0 < len(items) <= MOST:
-            raise RequestError(f"a proposal has 1 to {MOST} items")
+            raise RequestError(
+                Sentence("proposals.items", "a proposal has 1 to {most} items", most=MOST)
+            )
         if self.session.state.stop is not None:
-            raise RequestError("the stop is pressed", "the wizard releases it")
+            raise RequestError(
+                Sentence("proposals.stopped", "the stop is pressed"),
+                Sentence("proposals.wizard_releases", "the wizard releases it"),
+            )
         if self._quiet:
-            raise RequestError("in this trial nothing is proposed", "the file says trials: half")
+            raise RequestError(
+                Sentence("proposals.quiet_trial", "in this trial nothing is proposed"),
+                Sentence("proposals.trials_half", "the file says trials: half"),
+            )
         for name, each in [*self._open.items()]:
             if each.console == client.console and each.decide is None:
                 self._go(name, "superseded")
@@ -408,7 +485,9 @@ class ProposalsInSession(SessionFeature):
         item = found.item(request.item)
         text = cleaned(request.text)
         if text and not item.text:
-            raise RequestError("only a sentence can be changed")
+            raise RequestError(
+                Sentence("proposals.only_sentences", "only a sentence can be changed")
+            )
         edited = bool(text) and text != item.text
         self._close(request.set)
         self._taking = True

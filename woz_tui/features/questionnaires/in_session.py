@@ -33,6 +33,7 @@ from woz_tui.features.questionnaires.kinds import (
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import PARTICIPANT
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.protocol.welcome import Questionnaire, QuestionnaireItem
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 from woz_tui.timeline.feature_history import Owed
@@ -64,7 +65,13 @@ class QuestionnaireController(SessionFeature):
         """One that is open belongs to the trial and the participant of its beginning."""
         if (current := self._history.questionnaire) is not None:
             raise RequestError(
-                f"the questionnaire {current.name!r} is open", "end it first", command="trial"
+                Sentence(
+                    "questionnaires.open",
+                    "the questionnaire {name!r} is open",
+                    name=current.name,
+                ),
+                Sentence("questionnaires.end_first", "end it first"),
+                command="trial",
             )
 
     def begin_or_end(
@@ -90,9 +97,17 @@ class QuestionnaireController(SessionFeature):
         self._publish(
             m.Notice(
                 level="warning",
-                text=f"{participant} has not answered: {named}",
-                remedy="ask it on paper: the log would have the answers in the condition of the"
-                " next trial",
+                text=Sentence(
+                    "questionnaires.unanswered",
+                    "{participant} has not answered: {named}",
+                    participant=participant,
+                    named=named,
+                ),
+                remedy=Sentence(
+                    "questionnaires.on_paper",
+                    "ask it on paper: the log would have the answers in the condition of the next"
+                    " trial",
+                ),
             )
         )
 
@@ -103,21 +118,44 @@ class QuestionnaireController(SessionFeature):
     def _begin(self, name: str, source: str, language: str, given: str) -> None:
         current = self._history.questionnaire
         if current is not None:
-            raise RequestError(f"the questionnaire {current.name!r} is open", "end it first")
+            raise RequestError(
+                Sentence(
+                    "questionnaires.open",
+                    "the questionnaire {name!r} is open",
+                    name=current.name,
+                ),
+                Sentence("questionnaires.end_first", "end it first"),
+            )
         known = {each.name: each for each in self.session.state.study.settings.questionnaires}
         if name not in known:
             raise RequestError(
-                f"there is no questionnaire {name!r}",
-                f"there are {', '.join(known)}" if known else "the file has no questionnaires",
+                Sentence(
+                    "questionnaires.unknown",
+                    "there is no questionnaire {name!r}",
+                    name=name,
+                ),
+                Sentence("questionnaires.there_are", "there are {names}", names=", ".join(known))
+                if known
+                else Sentence("questionnaires.none_in_file", "the file has no questionnaires"),
             )
         due = {each.questionnaire: each.trial for each in self._history.due(self.session.state)}
         if source == PARTICIPANT and name not in due:
             raise RequestError(
-                f"the questionnaire {name!r} is not due yet", "the wizard can start it"
+                Sentence(
+                    "questionnaires.not_due",
+                    "the questionnaire {name!r} is not due yet",
+                    name=name,
+                ),
+                Sentence("questionnaires.wizard_starts", "the wizard can start it"),
             )
         asked = self._in_language(known[name], language)
         if given and given not in GIVEN:
-            raise RequestError(f"nobody answers by {given!r}", f"there are {', '.join(GIVEN)}")
+            raise RequestError(
+                Sentence(
+                    "questionnaires.given_by_nobody", "nobody answers by {given!r}", given=given
+                ),
+                Sentence("questionnaires.there_are", "there are {names}", names=", ".join(GIVEN)),
+            )
         running = self.session.state.study.trial
         trial = running.started.trial if running is not None else -1
         self._publish(
@@ -136,8 +174,20 @@ class QuestionnaireController(SessionFeature):
         found = in_language(asked, language)
         if language and language != found.language:
             codes = filter(None, [asked.language, *(each.language for each in asked.versions)])
-            there = f"there are {', '.join(codes)}" if asked.versions else "it has one only"
-            raise RequestError(f"{asked.name!r} is not in the language {language!r}", there)
+            there = (
+                Sentence("questionnaires.there_are", "there are {names}", names=", ".join(codes))
+                if asked.versions
+                else Sentence("questionnaires.one_language", "it has one only")
+            )
+            raise RequestError(
+                Sentence(
+                    "questionnaires.no_language",
+                    "{name!r} is not in the language {language!r}",
+                    name=asked.name,
+                    language=language,
+                ),
+                there,
+            )
         return found
 
     def _seed(self, name: str) -> str:
@@ -149,8 +199,19 @@ class QuestionnaireController(SessionFeature):
     def _under_way(self, name: str) -> QuestionnaireStarted:
         current = self._history.questionnaire
         if current is None or current.started is None or current.name != name:
-            other = f"{current.name!r} is" if current is not None else "none is"
-            raise RequestError(f"the questionnaire {name!r} is not open", other)
+            other = (
+                Sentence("questionnaires.is_open", "{name!r} is", name=current.name)
+                if current is not None
+                else Sentence("questionnaires.none_open", "none is")
+            )
+            raise RequestError(
+                Sentence(
+                    "questionnaires.not_open",
+                    "the questionnaire {name!r} is not open",
+                    name=name,
+                ),
+                other,
+            )
         return current.started
 
     @property
@@ -196,12 +257,18 @@ class QuestionnaireController(SessionFeature):
         items = {item.name: item for item in self._items}
         if request.item not in items:
             raise RequestError(
-                f"there is no item {request.item!r}", f"there are {', '.join(items)}"
+                Sentence(
+                    "questionnaires.no_item",
+                    "there is no item {item!r}",
+                    item=request.item,
+                ),
+                Sentence("questionnaires.there_are", "there are {names}", names=", ".join(items)),
             )
         item = items[request.item]
         if item not in asked_items(items.values(), self._given_answers):
             raise RequestError(
-                f"{request.item!r} is not asked", "an earlier answer has ruled it out"
+                Sentence("questionnaires.not_asked", "{item!r} is not asked", item=request.item),
+                Sentence("questionnaires.ruled_out", "an earlier answer has ruled it out"),
             )
         if request.skipped:
             _check_skipped(request, item)
@@ -252,25 +319,61 @@ def _check_skipped(request: AskAnswer, item: QuestionnaireItem) -> None:
     reason = request.reason or SKIPPED
     if reason not in ways_out(item):
         unless = "does not offer that" if request.reason else "needs an answer"
-        raise RequestError(f"{request.item!r} {unless}", "or end it as declined")
+        raise RequestError(
+            f"{request.item!r} {unless}",
+            Sentence("questionnaires.or_decline", "or end it as declined"),
+        )
     if request.value is not None or request.ticked or request.text:
-        raise RequestError("a skipped item cannot have an answer")
+        raise RequestError(
+            Sentence("questionnaires.skipped_with_answer", "a skipped item cannot have an answer")
+        )
 
 
 def _check_answer(request: AskAnswer, item: QuestionnaireItem) -> None:
     value = request.value
     if request.reason:
-        raise RequestError("an answer cannot have a reason why there is none")
+        raise RequestError(
+            Sentence(
+                "questionnaires.answer_with_reason",
+                "an answer cannot have a reason why there is none",
+            )
+        )
     if len(request.text) > LONGEST:
-        raise RequestError(f"an answer can have at most {LONGEST} characters")
+        raise RequestError(
+            Sentence(
+                "questionnaires.too_long",
+                "an answer can have at most {longest} characters",
+                longest=LONGEST,
+            )
+        )
     if item.asks in ("text", "month"):
         if value is not None or request.ticked:
-            raise RequestError(f"{request.item!r} needs a text as its answer")
+            raise RequestError(
+                Sentence(
+                    "questionnaires.needs_text",
+                    "{item!r} needs a text as its answer",
+                    item=request.item,
+                )
+            )
         if not request.text.strip():
-            raise RequestError("the answer is empty")
+            raise RequestError(Sentence("questionnaires.empty", "the answer is empty"))
     elif item.asks in NUMBERS and (request.text or request.ticked):
-        raise RequestError(f"{request.item!r} needs a number as its answer")
+        raise RequestError(
+            Sentence(
+                "questionnaires.needs_number",
+                "{item!r} needs a number as its answer",
+                item=request.item,
+            )
+        )
     elif value is not None and value != round(value):
-        raise RequestError(f"expected a whole number from {item.low} to {item.high}, not {value}")
+        raise RequestError(
+            Sentence(
+                "questionnaires.out_of_range",
+                "expected a whole number from {low} to {high}, not {value}",
+                low=item.low,
+                high=item.high,
+                value=value,
+            )
+        )
     if wrong := problem_of(item, answer_told(request)):
         raise RequestError(wrong)

@@ -12,6 +12,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import SPEAKING_VERBS
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import requester
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.action_runner import may_speak
 from woz_tui.session.action_texts import Steps
 from woz_tui.session.session_features import FeatureSession, SessionFeature
@@ -58,7 +59,11 @@ class RepairsInSession(SessionFeature):
             return None
         steps: Steps | str
         if at:
-            steps = f"{action.name!r} depends on what was said last: play it now"
+            steps = Sentence(
+                "repairs.not_later",
+                "{name!r} depends on what was said last: play it now",
+                name=action.name,
+            )
         elif action.name == INTERRUPT:
             run, _ = self.session.runner.play(action, origin, when_busy, steps=[])
             self._interrupt(
@@ -81,21 +86,21 @@ class RepairsInSession(SessionFeature):
         """As it was said, to whom it was kept from."""
         last = self._last
         if last is None or self._told != self._whom:
-            return "nothing has been said yet"
+            return Sentence("repairs.nothing_said", "nothing has been said yet")
         call = Call(last.verb, dict(last.args), last.driver)
         return [(replace(call, tells=last.tells, unfilled=dict(last.unfilled)),)]
 
     def _other_words(self) -> Steps | str:
         """The next wording of the call that said it."""
         if self._last is None or self._told != self._whom:
-            return "nothing has been said yet"
+            return Sentence("repairs.nothing_said", "nothing has been said yet")
         action = self.session.experiment.action(self._action)
         steps = self.session.texts.other(action, self._last) if action is not None else None
-        return steps or "the last sentence has no other words"
+        return steps or Sentence("repairs.no_other_words", "the last sentence has no other words")
 
     def _interrupt(self, by: str) -> None:
         """End what is said or is still to be said; everything else goes on."""
-        why = f"interrupted by {by}"
+        why = Sentence("repairs.interrupted", "interrupted by {by}", by=by)
         self.session.runner.cut_speech(why)
         for command in list(self.session.state.commands.values()):
             if may_speak(command.request):

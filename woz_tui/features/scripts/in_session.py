@@ -22,6 +22,7 @@ from woz_tui.gate.table import another_plays_action
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import SPEAKING_VERBS
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.action_texts import NOTHING_GIVEN, GivenValues, given_values
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 from woz_tui.timeline.episodes import (
@@ -84,9 +85,15 @@ class ScriptState:
     def move(self, to: int) -> None:
         """Choose the next line."""
         if to < 0:
-            raise RequestError("the script is at its first line")
+            raise RequestError(Sentence("scripts.at_first_line", "the script is at its first line"))
         if to > len(self.lines):
-            raise RequestError(f"the script has {len(self.lines)} lines")
+            raise RequestError(
+                Sentence(
+                    "scripts.has_lines",
+                    "the script has {count} lines",
+                    count=len(self.lines),
+                )
+            )
         self.position, self.halted, self.last = to, "", None
 
     def back(self) -> int:
@@ -192,18 +199,35 @@ class ScriptController(SessionFeature):
                 if len(self._scripts) > 1 and study.stage is None:
                     if study.between_trials:
                         raise RequestError(
-                            "phases begin with a trial", "begin one", command="trial"
+                            Sentence("scripts.with_trial", "phases begin with a trial"),
+                            Sentence("scripts.begin_one", "begin one"),
+                            command="trial",
                         )
-                    raise RequestError("no phase holds", "begin one", command="phase_next")
-                raise RequestError("there is no script", "add script: [...] to the file")
+                    raise RequestError(
+                        Sentence("scripts.no_phase", "no phase holds"),
+                        Sentence("scripts.begin_one", "begin one"),
+                        command="phase_next",
+                    )
+                raise RequestError(
+                    Sentence("scripts.none", "there is no script"),
+                    Sentence("scripts.add", "add script: [...] to the file"),
+                )
             raise RequestError(
-                "the script has no more lines", "go one line back", command="script_back"
+                Sentence("scripts.no_more_lines", "the script has no more lines"),
+                Sentence("scripts.go_back", "go one line back"),
+                command="script_back",
             )
         for run, played in self._runs.items():
             if self._waits(run):
                 waiting = self._scripts[played.script].lines[played.line]
                 raise RequestError(
-                    f"{waiting!r} is still waiting", "play the next line when this one has started"
+                    Sentence(
+                        "scripts.still_waits", "{waiting!r} is still waiting", waiting=waiting
+                    ),
+                    Sentence(
+                        "scripts.wait_for_line",
+                        "play the next line when this one has started",
+                    ),
                 )
         return script.lines[script.position]
 
@@ -278,7 +302,11 @@ class ScriptController(SessionFeature):
                 # A line that waits behind one that was not played.
                 cancel = self.session.runner.cancel
                 loop = asyncio.get_running_loop()
-                loop.call_soon(cancel, run, "the previous line was not played")
+                loop.call_soon(
+                    cancel,
+                    run,
+                    Sentence("scripts.line_not_played", "the previous line was not played"),
+                )
 
     def move(self, to: int | None = None, by: int = 0) -> None:
         """Choose the next line of the script that Space plays: `to` (0: the first; None: the one

@@ -12,6 +12,7 @@ from woz_tui.features.slots.kinds import KEPT, SlotFilled
 from woz_tui.features.slots.section import SLOTS, slots_of
 from woz_tui.features.slots.slot_value import SlotValueError, checked_value
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.action_texts import GivenValues
 from woz_tui.session.session_features import FeatureSession, SessionFeature
 from woz_tui.session.variables import VariableValues
@@ -49,7 +50,9 @@ class SlotsInSession(SessionFeature):
 
     def values(self) -> VariableValues:
         kept = self._kept
-        empty = "a wizard or a program fills it in when it is played"
+        empty = Sentence(
+            "slots.filled_when_played", "a wizard or a program fills it in when it is played"
+        )
         return VariableValues(
             {name: line.text for name, line in kept.items()},
             why={name: empty for name in self._slots if name not in kept},
@@ -67,15 +70,33 @@ class SlotsInSession(SessionFeature):
         for name, text in given.values.items():
             if name not in self._of.get(action, ()):
                 has = ", ".join(self._of.get(action, ())) or "none"
-                raise RequestError(f"{action!r} has no slot {name!r}", f"its slots: {has}")
+                raise RequestError(
+                    Sentence(
+                        "slots.unknown",
+                        "{action!r} has no slot {name!r}",
+                        action=action,
+                        name=name,
+                    ),
+                    Sentence("slots.its_slots", "its slots: {has}", has=has),
+                )
             try:
                 values[name] = checked_value(text)
             except SlotValueError as error:
-                raise RequestError(f"what is to stand in {name!r} {error}") from error
+                raise RequestError(
+                    Sentence(
+                        "slots.wrong_value",
+                        "what is to stand in {name!r} {error}",
+                        name=name,
+                        error=error,
+                    )
+                ) from error
             source = given.sources.get(name, SOURCES[0])
             sources[name] = PROGRAM if given.by_program else source
             if sources[name] not in (*SOURCES, PROGRAM):
-                raise RequestError(f"{source!r} is no source", f"there are {', '.join(SOURCES)}")
+                raise RequestError(
+                    Sentence("slots.no_source", "{source!r} is no source", source=source),
+                    Sentence("slots.there_are", "there are {names}", names=", ".join(SOURCES)),
+                )
             heard = ("transcript",) if sources[name] == "heard" else ()
             tells[name] = (*heard, *given.tells.get(name, ()))
         return GivenValues(values, sources, tells, given.took_us, given.by_program)

@@ -17,6 +17,7 @@ from woz_tui.features.study.section import DESIGN
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import WIZARD
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.participant_identity import check_condition, check_participant
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 
@@ -62,8 +63,14 @@ class TrialController(SessionFeature):
             self.session.hub.publish(
                 m.Notice(
                     level="warning",
-                    text=f"{who.participant} has no order of conditions: {error.reason}",
-                    remedy=error.hint or "choose the participant again",
+                    text=Sentence(
+                        "study.no_order",
+                        "{participant} has no order of conditions: {reason}",
+                        participant=who.participant,
+                        reason=error.reason,
+                    ),
+                    remedy=error.hint
+                    or Sentence("study.choose_again", "choose the participant again"),
                 )
             )
 
@@ -97,8 +104,11 @@ class TrialController(SessionFeature):
         design = DESIGN.of(self.session.experiment)
         if design is None:
             raise RequestError(
-                "the file has no design",
-                "add one to the file, for example design: {order: latin-square}",
+                Sentence("study.no_design", "the file has no design"),
+                Sentence(
+                    "study.add_design",
+                    "add one to the file, for example design: {{order: latin-square}}",
+                ),
             )
         return design
 
@@ -132,7 +142,11 @@ class TrialController(SessionFeature):
     def allow_next(self) -> None:
         if (trial := self.state.trial) is not None:
             raise RequestError(
-                f"trial {trial.started.trial} is running", "end it first", command="trial"
+                Sentence(
+                    "study.trial_is_running", "trial {trial} is running", trial=trial.started.trial
+                ),
+                Sentence("study.end_trial", "end it first"),
+                command="trial",
             )
 
     # -- trials and breaks -------------------------------------------------------------------------
@@ -144,41 +158,69 @@ class TrialController(SessionFeature):
                 self._begin_trial()
             case "break":
                 if self.state.in_break is not None:
-                    raise RequestError("a break is already running")
+                    raise RequestError(
+                        Sentence("study.break_running", "a break is already running")
+                    )
                 self.session.hub.publish(m.BreakStarted(text=text, tells=tells))
             case "resume":
                 if self.state.in_break is None:
-                    raise RequestError("no break is running")
+                    raise RequestError(Sentence("study.no_break", "no break is running"))
                 self._end_break(text, tells)
             case _:
                 if self.state.trial is None:
-                    raise RequestError("no trial is running", "start one", command="trial")
+                    raise RequestError(
+                        Sentence("study.no_trial", "no trial is running"),
+                        Sentence("study.start_trial", "start one"),
+                        command="trial",
+                    )
                 self._end_break("")
                 self._end_trial(what, text, tells)
 
     def _begin_trial(self) -> None:
         state = self.state
         if not state.participant:
-            raise RequestError("no participant is set", "choose one first", command="start")
+            raise RequestError(
+                Sentence("study.no_participant", "no participant is set"),
+                Sentence("study.choose_participant", "choose one first"),
+                command="start",
+            )
         self.session.allow_next()
         number = state.next_trial
         if state.all_over:
             raise RequestError(
-                f"all {state.planned} trials of {state.participant} are done",
-                "choose the next participant, or set a trial number to repeat a trial",
+                Sentence(
+                    "study.all_done",
+                    "all {planned} trials of {participant} are done",
+                    planned=state.planned,
+                    participant=state.participant,
+                ),
+                Sentence(
+                    "study.next_participant",
+                    "choose the next participant, or set a trial number to repeat a trial",
+                ),
                 command="start",
             )
         condition = state.condition_of(number) or state.condition
         conditions = self.session.experiment.conditions
         if conditions and not condition:
             raise RequestError(
-                "no condition is set", "choose the participant's order first", command="start"
+                Sentence("study.no_condition", "no condition is set"),
+                Sentence("study.choose_order", "choose the participant's order first"),
+                command="start",
             )
         if conditions and condition not in conditions:  # not named: the wizard may be blind
             raise RequestError(
-                f"the file no longer has the condition of trial {number} of {state.participant}",
-                "choose a new order, whose trials begin with the first, or give the condition its"
-                " old name and read the file again",
+                Sentence(
+                    "study.condition_gone",
+                    "the file no longer has the condition of trial {number} of {participant}",
+                    number=number,
+                    participant=state.participant,
+                ),
+                Sentence(
+                    "study.new_order",
+                    "choose a new order, whose trials begin with the first, or give the condition"
+                    " its old name and read the file again",
+                ),
                 command="start",
             )
         identity = self.session.identity
@@ -207,8 +249,13 @@ def _check_order(order: list[str], design: Design, conditions: tuple[str, ...]) 
     for condition in order:
         check_condition(condition, conditions)
     if len(set(order)) < len(order):
-        raise RequestError("the order has a condition twice")
+        raise RequestError(Sentence("study.condition_twice", "the order has a condition twice"))
     if design.within and len(order) < len(conditions):
-        raise RequestError("each participant gets all conditions; the order lacks some")
+        raise RequestError(
+            Sentence(
+                "study.order_lacks",
+                "each participant gets all conditions; the order lacks some",
+            )
+        )
     if not design.within and len(order) != 1:
-        raise RequestError("each participant gets one condition")
+        raise RequestError(Sentence("study.one_condition", "each participant gets one condition"))

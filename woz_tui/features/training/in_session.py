@@ -10,6 +10,7 @@ from woz_tui.config.experiment import Experiment
 from woz_tui.features.training.kinds import AskTraining, CueAnswered
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
 
 if TYPE_CHECKING:  # most sessions are no training, and begin without loading it
@@ -40,7 +41,10 @@ class TrainingSession(SessionFeature):
         try:
             planned_cues(experiment, value.count, seed=0)
         except ValueError as error:
-            raise RequestError(str(error), "add training: {cues: [...]} to the file") from error
+            raise RequestError(
+                str(error),
+                Sentence("training.add", "add training: {{cues: [...]}} to the file"),
+            ) from error
 
     def start(self, value: TrainingOptions) -> None:
         from woz_tui.features.training.cue_plan import planned_cues  # noqa: PLC0415
@@ -60,7 +64,10 @@ class TrainingSession(SessionFeature):
 
     def carry_out(self, request: AskTraining, client: Client) -> str:
         if self._course is None:
-            raise RequestError("this session is no training", "`woz train` begins one")
+            raise RequestError(
+                Sentence("training.none_here", "this session is no training"),
+                Sentence("training.begin", "`woz train` begins one"),
+            )
         self._course.begin()
         return ""
 

@@ -12,6 +12,7 @@ from woz_tui.drivers.contract import Driver
 from woz_tui.features.training.in_session import TrainingOptions
 from woz_tui.host.session_kind import SessionKind
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.participant_identity import SessionIdentity
 
 #: The code of the participant who is none.
@@ -44,7 +45,7 @@ class TrainingKind(SessionKind):
         if arguments.train:
             return TrainingOptions(arguments.train_count)
         if arguments.train_count is not None:
-            raise RequestError("--train-count needs --train")
+            raise RequestError(Sentence("training.count_alone", "--train-count needs --train"))
         return None
 
     def identity(self, identity: SessionIdentity, experiment: Experiment) -> SessionIdentity:

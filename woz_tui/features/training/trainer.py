@@ -25,6 +25,7 @@ from woz_tui.features.training.training_visitor import (
     seconds_to_say,
 )
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.sentence import Sentence
 
 #: Whoever does these did not answer anybody.
 _NO_ANSWERS = frozenset({"engagement", "replay", "program"})
@@ -102,8 +103,17 @@ class Trainer:
             return
         log.error("the training failed", exc_info=error)
         self.end()
-        text = f"the training has failed: {type(error).__name__}: {error}"
-        self._hub.publish(m.Notice(level="error", text=text, remedy="end the session"))
+        text = Sentence(
+            "training.failed",
+            "the training has failed: {name}: {error}",
+            name=type(error).__name__,
+            error=error,
+        )
+        self._hub.publish(
+            m.Notice(
+                level="error", text=text, remedy=Sentence("training.end_session", "end the session")
+            )
+        )
 
     # -- the course ----------------------------------------------------------------------------
 

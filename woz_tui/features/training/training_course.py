@@ -20,6 +20,7 @@ from woz_tui.features.training.kinds import (
 from woz_tui.features.training.trainer import Trainer
 from woz_tui.features.training.training_visitor import TrainingVisitor
 from woz_tui.protocol.refusal import RequestError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.session_features import FeatureSession
 
 #: From the key that begins it to the first cue's pause, in seconds.
@@ -51,8 +52,10 @@ class TrainingCourse:
     def begin(self) -> None:
         """The wizard pressed the key that begins it."""
         if self._state != "waits":
-            begun = "the training has begun already"
-            raise RequestError(begun if self._state else "no wizard has come yet")
+            begun = Sentence("training.begun", "the training has begun already")
+            raise RequestError(
+                begun if self._state else Sentence("training.no_wizard", "no wizard has come yet")
+            )
         self._publish("runs")
         loop = asyncio.get_running_loop()
         self._starting = loop.call_later(WARNING_S, self._trainer.begin)

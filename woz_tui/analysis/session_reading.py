@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -54,7 +54,10 @@ def integrity_of(
     missing = max(0, line_count.short - explained)
     if missing and not damage.missing:  # else their numbers are named
         sentences.append(f"{missing} line(s) of actions missing")
-    sentences += [f"went on in {path.name}: {head.reason}" for path, head in _moved(files.actions)]
+    for path in files.actions:
+        name = FileName.parse(path.name)
+        if name is not None and name.number > 1 and (head := _head(path)) is not None:
+            sentences.append(f"went on in {path.name}: {head.reason}")
     still_open = figures.whole.outcomes.open
     if figures.ended and still_open:
         sentences.append(f"{still_open} action(s) without an end")
@@ -78,13 +81,6 @@ def with_verification(
     found = verify(path, places=places).sentences()
     more = [sentence for sentence in found if sentence not in integrity.sentences]
     return replace(integrity, sentences=(*integrity.sentences, *more), verified=True)
-
-
-def _moved(actions: Sequence[Path]) -> Iterator[tuple[Path, Segment]]:
-    for path in actions:
-        name = FileName.parse(path.name)
-        if name is not None and name.number > 1 and (head := _head(path)) is not None:
-            yield path, head
 
 
 def _head(path: Path) -> Segment | None:
@@ -131,24 +127,6 @@ class ReportExtras:
 NO_EXTRAS = ReportExtras()
 
 
-def read_report(
-    path: Path,
-    options: FigureOptions = DEFAULTS,
-    extras: ReportExtras = NO_EXTRAS,
-    *,
-    places: Iterable[Path] | None = None,
-) -> SessionReport:
-    """Read the session to which `path` belongs once; nothing damaged raises.
-
-    Raises:
-        FileNotFoundError: There is no such file.
-        ValueError: It is not called like a log, or (`NoSessionError`) holds no session.
-        OSError: None of its files can be read.
-    """
-    with _without_collection():
-        return _read_report(path, options, extras, places)
-
-
 @contextmanager
 def _without_collection() -> Iterator[None]:
     """Switch Python's search for reference cycles off while a log is read: its objects form none,
@@ -175,9 +153,21 @@ class _Takers(dict[str, list[Callable[[Reading], None]]]):
         return found
 
 
-def _read_report(
-    path: Path, options: FigureOptions, extras: ReportExtras, places: Iterable[Path] | None
+@_without_collection()
+def read_report(
+    path: Path,
+    options: FigureOptions = DEFAULTS,
+    extras: ReportExtras = NO_EXTRAS,
+    *,
+    places: Iterable[Path] | None = None,
 ) -> SessionReport:
+    """Read the session to which `path` belongs once; nothing damaged raises.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: It is not called like a log, or (`NoSessionError`) holds no session.
+        OSError: None of its files can be read.
+    """
     damage = Damage()
     timeline, curves, line_count = Timeline(), SensorCurves(), LineCount()
     people = PeopleTimes()

@@ -7,6 +7,6 @@ from woz_tui.export.feature_export import FeatureExport
 EXPORT = FeatureExport(
     label_and_text={"dictated": ("dictation", "text"), "dictated.said": ("command", "")},
     points={"dictation": ("dictated", "dictated.said")},
-    kept={"dictated": ("dictation",), "dictated.said": ("command", "dictations")},
+    kept={"dictated.said": ("command",)},
     ids=("dictation",),
 )

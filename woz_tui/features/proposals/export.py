@@ -32,7 +32,6 @@ EXPORT = FeatureExport(
         "suggest.taken": ("set", "item", "how", "run", "console"),
         "suggest.gone": ("set", "how"),
         "suggest.shown": ("set", "items", "console"),
-        "suggest.trial": ("trial", "offered"),
         "suggest.rehearsed": ("cue", "items"),
     },
     ids=("set",),

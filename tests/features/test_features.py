@@ -263,6 +263,93 @@ def test_a_feature_that_fails_with_a_file_is_told_as_its_mistake(tmp_path: Path)
     assert "the feature 'moons' fails with this file: ZeroDivisionError" in problem
 
 
+GUARDED = {
+    "__init__": """
+from woz_tui.feature import Feature
+
+
+class Guarded(Feature):
+    name = "guarded"
+    section = "section:SECTION"
+    gate = "gate:GATE"
+    session = "nowhere:Nothing"
+""",
+    "section": """
+from dataclasses import dataclass
+from woz_tui.config.feature_section import FeatureSection
+
+
+@dataclass(frozen=True, kw_only=True)
+class Keys:
+    guarded: int = 0
+
+
+class Section(FeatureSection):
+    def read(self, table, file, contents):
+        return file.guarded
+
+
+SECTION = Section(Keys, 0)
+""",
+    "gate": "from woz_tui.gate.table import FeatureGate\n\nGATE = FeatureGate()\n",
+}
+READ = """
+import sys
+from pathlib import Path
+from woz_tui.config.file_position import ExperimentError
+from woz_tui.config.loading import load
+from woz_tui.drivers.plugins import installed
+from woz_tui.host.robot_process import check_guards
+
+for file in sys.argv[1:]:
+    try:
+        check_guards(load(Path(file), installed()))
+    except ExperimentError as error:
+        print(*error.problems, sep="\\n")
+    else:
+        print("begins")
+"""
+
+
+@pytest.mark.safety
+def test_no_session_begins_where_what_the_file_forbids_cannot_be_forbidden(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    (site / "guarded-1.0.dist-info").mkdir(parents=True)
+    (site / "guarded").mkdir()
+    for name, text in GUARDED.items():
+        (site / "guarded" / f"{name}.py").write_text(text)
+    metadata = "Metadata-Version: 2.1\nName: guarded\nVersion: 1.0\n"
+    (site / "guarded-1.0.dist-info" / "METADATA").write_text(metadata)
+    points = "[woz_tui.features]\nguarded = guarded:Guarded\n"
+    (site / "guarded-1.0.dist-info" / "entry_points.txt").write_text(points)
+    plain, used = tmp_path / "plain.yaml", tmp_path / "used.yaml"
+    panels = "panels: [{title: Speech, actions: [{key: h, label: Hello, say: Hello}]}]"
+    plain.write_text(f"title: Guide\nrobot: simulated\n{panels}\n")
+    used.write_text(f"{plain.read_text()}guarded: 1\n")
+
+    def run(*words: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, *words],
+            capture_output=True,
+            text=True,
+            timeout=100,
+            env=os.environ | {"PYTHONPATH": str(site)},
+            cwd=ROOT,
+            check=False,
+        )
+
+    done = run("-c", READ, str(plain), str(used))
+    assert done.returncode == 0, done.stderr
+    first, second = done.stdout.splitlines()
+    assert first == "begins", "the file does not use it"
+    assert "used.yaml:1:1: guarded: the feature cannot be used" in second
+    assert "ModuleNotFoundError" in second
+    host = run("-m", "woz_tui", "host", str(used), "--recordings", str(tmp_path / "recordings"))
+    assert host.returncode == 1
+    assert "guarded: the feature cannot be used" in host.stderr
+    assert not (tmp_path / "recordings").exists()
+
+
 def test_none_of_ours_is_left_out_and_each_piece_is_what_its_room_uses() -> None:
     texts = {"keys", "words"}
     rooms = {name for name, value in vars(Feature).items() if value == ""} - texts

@@ -19,10 +19,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from woz_tui.config.experiment import Experiment
+from woz_tui.config.feature_section import FeatureSection
+from woz_tui.config.file_position import ExperimentError, FilePosition, Problem
 from woz_tui.config.loading import load
 from woz_tui.config.robot_fit import fitted
 from woz_tui.drivers.plugins import GROUP, Catalogue, installed
-from woz_tui.feature import features, pieces
+from woz_tui.feature import features, left_out, pieces
+from woz_tui.gate.table import FeatureGate
 from woz_tui.host.loop_watchdog import LoopWatchdog
 from woz_tui.host.request_handlers import RequestHandlers
 from woz_tui.host.session_kind import SessionKind
@@ -139,6 +142,7 @@ def _kind(options: HostOptions) -> SessionKind:
 def _read(options: HostOptions, catalogue: Catalogue) -> Experiment:
     """The experiment's file as it is now, for this kind of session."""
     experiment = load(options.experiment, catalogue, robot=options.robot)
+    check_guards(experiment)
     if options.fitted:
         experiment = fitted(experiment)
     if options.rerun is not None:
@@ -146,6 +150,26 @@ def _read(options: HostOptions, catalogue: Catalogue) -> Experiment:
 
         return without_model(experiment)
     return _kind(options).experiment(experiment)
+
+
+def check_guards(experiment: Experiment) -> None:
+    """Raise `ExperimentError` where the file uses a feature with rows of the gate of which a piece
+    cannot be loaded: what it is to forbid would happen.
+    """
+    parts, gates = pieces("session", type), pieces("gate", FeatureGate)
+    place = FilePosition(experiment.path.name, 1, 1)
+    problems = [
+        Problem(
+            place, name, f"the feature cannot be used: {left_out().get(name, 'it is not whole')}"
+        )
+        for name, section in pieces("section", FeatureSection).items()
+        if features()[name].gate
+        and features()[name].session
+        and (name not in parts or name not in gates)
+        and section.of(experiment) != section.empty
+    ]
+    if problems:
+        raise ExperimentError(problems)
 
 
 def _fill_standard_streams() -> None:

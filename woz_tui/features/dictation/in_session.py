@@ -29,6 +29,9 @@ class DictationInSession(SessionFeature):
         self._count = 0
         self._waiting: list[Dictated] = []
 
+    def idle(self) -> bool:
+        return not self._waiting
+
     def carry_out(self, request: AskDictated, client: Client) -> str:
         if client.role != "program":
             raise RequestError(Sentence("dictation.only_dictation", "`woz dictate` dictates"))

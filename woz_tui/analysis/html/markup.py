@@ -44,10 +44,15 @@ def clean(text: str) -> str:
 
 def escaped(text: str) -> Markup:
     """`text` as the content of an element, or of a quoted attribute."""
-    if isinstance(text, Markup):
-        return text
+    return text if isinstance(text, Markup) else Markup(_safe(text))
+
+
+def _safe(text: str) -> str:
+    """The same as a plain text, for what is joined at once."""
     # Most texts of a page are words and numbers: one look at each is enough.
-    return Markup(html.escape(clean(text)) if _SPECIAL.search(text) else text)
+    if isinstance(text, Markup) or not _SPECIAL.search(text):
+        return text
+    return html.escape(clean(text))
 
 
 def tag(name: str, /, *children: Child, **attributes: Attribute) -> Markup:
@@ -76,7 +81,7 @@ def _gather(children: Iterable[Child], parts: list[str]) -> None:
     """As `pieces`, into a list: a page has so many elements that this is worth it."""
     for child in children:
         if isinstance(child, str):
-            parts.append(escaped(child))
+            parts.append(_safe(child))
         elif child is not None:
             _gather(child, parts)
 
@@ -85,7 +90,7 @@ def pieces(children: Iterable[Child]) -> Iterator[str]:
     """The same, one at a time: for what is too large to be held at once."""
     for child in children:
         if isinstance(child, str):
-            yield escaped(child)
+            yield _safe(child)
         elif child is not None:
             yield from pieces(child)
 
@@ -94,7 +99,7 @@ def _attribute(key: str, value: str | float | bool) -> str:
     name = _attribute_name(key)
     if value is True:
         return f" {name}"
-    return f' {name}="{escaped(value) if isinstance(value, str) else short(value)}"'
+    return f' {name}="{_safe(value) if isinstance(value, str) else short(value)}"'
 
 
 @cache

@@ -108,7 +108,10 @@ def test_frictionless_accepts_its_tables(bundle: Path) -> None:
 
 
 def test_the_bids_validator_accepts_its_bids(bundle: Path) -> None:
-    validated(bundle / "documentation" / "bids")
+    warned = {each["code"] for each in validated(bundle / "documentation" / "bids")}
+    assert "NO_AUTHORS" not in warned
+    said = json.loads((bundle / "documentation/bids/dataset_description.json").read_text())
+    assert (said["Authors"], said["License"]) == (["Ada Example"], "CC-BY-4.0")
 
 
 def test_it_keeps_the_rules_of_psych_ds(bundle: Path) -> None:

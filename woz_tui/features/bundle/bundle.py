@@ -219,6 +219,13 @@ class _Bundle:
         out = self._folder.path / "documentation" / "bids"
         for _ in export(logs, "bids", out, ExportOptions(redact=True, sound=False)):
             pass
+        place = out / "dataset_description.json"
+        described = json.loads(place.read_text(encoding="utf-8")) | {"Name": self._title}
+        if self._about.authors:
+            described["Authors"] = [each.name for each in self._about.authors]
+        if self._about.licence:
+            described["License"] = self._about.licence
+        place.write_text(json.dumps(described, indent=2, ensure_ascii=False) + "\n", "utf-8")
 
     def _results(self, logs: Sequence[LogSource], sources: Sequence[LogSource]) -> None:
         """The report, figures, and the texts that are made of the same facts."""

@@ -46,7 +46,7 @@ def test_everything_that_is_wrong_has_its_place_and_remedy(tmp_path: Path) -> No
         "2:12: authors[0].orcid: expected an ORCID such as 0000-0002-1825-0097, not '12'",
         "3:13: retention.media: expected a number of days, weeks or years: 30 d, 6 w, 10 y, not"
         " 'soon'",
-        "4:9: share[0]: 'names' is not known; it can be: media",
+        "4:9: share[0]: 'names' is not known; it can be: media, transcripts",
         "5:1: suspicion: expected a questionnaire and its item, such as end.person, not 'person'",
     ]
 

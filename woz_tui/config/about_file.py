@@ -25,7 +25,7 @@ from woz_tui.config.yaml_cursor import document, source_of
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, OneOf, Pattern
 
 #: What participants can agree to besides what is shared of everybody.
-SHARED = ("media",)
+SHARED = ("media", "transcripts")
 #: Days of the units of a time for which something is kept.
 _DAYS = {"d": 1, "w": 7, "y": 365.25}
 _KEPT = re.compile(r"(\d{1,4}) ?([dwy])")

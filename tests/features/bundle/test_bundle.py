@@ -35,6 +35,7 @@ from woz_tui.config.about_file import About, AuthorEntry, missing_in
 from woz_tui.export.log_sources import ExportError
 from woz_tui.features.bundle.bundle import BundleError
 from woz_tui.features.bundle.participant_codes import drawn_codes, recoded
+from woz_tui.sensing.visitor_store import VisitorStore
 
 ABOUT = About(
     title="Warm or sober",
@@ -443,3 +444,33 @@ def test_materials_do_not_tell_of_the_labs_computer(tmp_path: Path) -> None:
         assert (tmp_path / "osf" / "materials" / "robots" / "simulated.yaml").exists()
         assert not [name for name, data in everything(tmp_path / "osf").items() if b"lab-7" in data]
         log.write_bytes(told.replace(b'"%b"' % name, b'"robots/simulated.yaml"'))
+
+
+def test_what_people_said_is_there_by_choice_agreement_and_without_names(tmp_path: Path) -> None:
+    recordings = recorded(tmp_path / "r")
+    with pytest.raises(BundleError, match="only if participants agreed"):
+        bundled(recordings, tmp_path / "osf", transcripts=True)
+    about = About(share=("transcripts",))
+    VisitorStore(recordings / "visitors.json").add("Ben Young", on=None)
+    for log in recordings.glob("*_P02_*.jsonl"):
+        said = log.read_bytes().replace(b"I am Anna Keller-Winter.", b"I am KELLER, and young Ben.")
+        log.write_bytes(said)
+    out = tmp_path / "osf"
+    bundled(recordings, out, about, transcripts=True, recode=True, names=[NAME, ""])
+    rows = table(out, "transcripts")
+    codes = {row["participant"] for row in table(out, "answers")}
+    assert {row["participant"] for row in rows} == codes
+    assert sorted(row["text"] for row in rows) == [
+        *["I am [NAME_1], and [NAME_2] [NAME_2]."] * 2,
+        *["I am [NAME_1]."] * 4,
+    ]
+    assert {(row["condition"], row["trial"]) for row in rows} >= {("warm", "1"), ("sober", "2")}
+    told = (out / "documentation" / "transcripts.md").read_text()
+    assert ("| [NAME_1] | 6 |" in told, "no anonymisation" in told) == (True, True)
+    assert frictionless.Package(str(out / "datapackage.json")).validate().valid
+    measured = json.loads((out / "dataset_description.json").read_text())["variableMeasured"]
+    assert {"onset", "text"} <= {each["name"] for each in measured}
+    for name, data in everything(out).items():
+        assert not re.search(rb"Anna|Keller|KELLER|Young", data), name
+    bundled(recordings, out, about, transcripts=True, force=True)
+    assert "no list of names was given" in (out / "TODO.md").read_text()

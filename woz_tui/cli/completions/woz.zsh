@@ -184,6 +184,8 @@ _shtab_woz_bundle_options=(
   "--study[the experiment file as it was registered (default\: as the first session played it)]:FILE:_files"
   "--recode[draw new codes for participants\; no key is kept]"
   "--media[sound and pictures too, if about.yaml has share\: \[media\]]"
+  "*--with[what people said too, if about.yaml has share\: \[transcripts\]]:more:(transcripts)"
+  "--names[names, one a line, that are taken out of transcripts\; those of visitors are anyway]:FILE:_files"
   "--samples[the values of the sensors as a table, too]"
   "*--public[a text that may stand in the bundle although it was withheld as somebody\'s word]:TEXT:"
   "--force[replace an earlier bundle in FOLDER]"

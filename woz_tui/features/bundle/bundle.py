@@ -4,6 +4,7 @@ that nothing can stand in it that was withheld from the copies.
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import json
 import re
@@ -30,9 +31,15 @@ from woz_tui.features.bundle import (
     preregistration,
     reading_scripts,
     riek,
+    transcripts,
 )
 from woz_tui.features.bundle.codebook import Variable, items_of
-from woz_tui.features.bundle.data_tables import DataTables, columns_of, variables_measured
+from woz_tui.features.bundle.data_tables import (
+    DataTables,
+    columns_of,
+    table_file,
+    variables_measured,
+)
 from woz_tui.features.bundle.participant_codes import SHORTEST, drawn_codes
 from woz_tui.features.bundle.registered_study import registered_study
 from woz_tui.features.bundle.session_copies import (
@@ -41,10 +48,13 @@ from woz_tui.features.bundle.session_copies import (
     StudyMaterials,
     copy_sessions,
 )
+from woz_tui.features.bundle.transcripts import TRANSCRIPTS
 from woz_tui.features.bundle.withheld_texts import WithheldTexts, words_among
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.log_reader import files_of
 from woz_tui.log.withdrawals import withdrawn_codes
+from woz_tui.sensing.visitor_records import VisitorFileError
+from woz_tui.system.text_cleaning import cell
 
 MANIFEST, TODO = "MANIFEST.sha256", "TODO.md"
 _LOGS = "data/logs"
@@ -71,6 +81,7 @@ class BundleOptions:
         registered: The experiment file as it was registered; None: as it was played first.
         recode: Draw new codes for participants.
         media: Sound and pictures, too.
+        transcripts: What people said, too, without these `names` and those of visitors.
         samples: Values of sensors as a table, too.
         public: Texts that may stand in it although they were withheld.
     """
@@ -79,6 +90,8 @@ class BundleOptions:
     registered: Path | None = None
     recode: bool = False
     media: bool = False
+    transcripts: bool = False
+    names: Sequence[str] = ()
     samples: bool = False
     public: Sequence[str] = ()
 
@@ -107,6 +120,11 @@ def write_bundle(
         raise BundleError(
             "sound and pictures may be shared only if participants agreed",
             "write share: [media] into about.yaml, or leave --media out",
+        )
+    if options.transcripts and "transcripts" not in options.about.share:
+        raise BundleError(
+            "what people said may be shared only if participants agreed",
+            "write share: [transcripts] into about.yaml, or leave --with transcripts out",
         )
     for source in sources:
         if any(path.resolve().is_relative_to(out.resolve()) for path in source.files.paths):
@@ -165,7 +183,7 @@ class _Bundle:
             copies.sort(key=_name_of_copy)
         self._copy_media(copies)
         logs = [LogSource(files_of(copy, [])) for _, copy in copies]
-        self._tables(logs)
+        self._tables(logs, [source for source, _ in copies])
         self._bids(logs)
         self._results(logs, sources)
         self._materials_files()
@@ -194,14 +212,21 @@ class _Bundle:
                 with path.open("rb") as original, self._folder.binary(name) as written:
                     shutil.copyfileobj(original, written)
 
-    def _tables(self, logs: Sequence[LogSource]) -> None:
+    def _tables(self, logs: Sequence[LogSource], originals: Sequence[LogSource]) -> None:
         tables = DataTables(self._folder, self._study, self._items, self._options.samples)
         with closing(tables):
+            sessions = []
             for source in logs:
                 session = read_session(source)
                 session.figures = replace(session.figures, stem=session.name)
+                sessions.append(session.figures.session)
                 tables.add(session, source)
             package = tables.finish()
+        if self._options.transcripts:
+            self._transcripts(originals, sessions)
+            about = "What people said, as a program understood it; names that were known are out."
+            told = tables.resource(TRANSCRIPTS, about, transcripts.COLUMNS)
+            package = {**package, "resources": [*package["resources"], told]}
         package = {**package, "title": self._title}
         if self._about.licence:
             package["licenses"] = [{"name": self._about.licence}]
@@ -214,6 +239,27 @@ class _Bundle:
             "dataset_description.json",
             deposit_texts.description(self._title, self._about, measured),
         )
+
+    def _transcripts(self, originals: Sequence[LogSource], sessions: Sequence[str]) -> None:
+        folders = {folder for each in originals for folder in each.folders}
+        try:
+            visitors = [*transcripts.visitors_named(folders)]
+        except VisitorFileError as error:
+            raise BundleError(str(error), "names of visitors could not be taken out") from error
+        names, count = transcripts.KnownNames([*self._options.names, *visitors]), 0
+        with self._folder.text(table_file(self._study, TRANSCRIPTS)) as file:
+            writer = csv.writer(file, lineterminator="\r\n")
+            writer.writerow([each.name for each in transcripts.COLUMNS])
+            for source, session in zip(originals, sessions, strict=True):
+                for row in transcripts.transcript(source, names, self._codes, session):
+                    writer.writerow([cell(value) for value in row])
+                    count += 1
+        self._write("documentation/transcripts.md", transcripts.as_markdown(names, count))
+        if not self._options.names:
+            self._to_do.append(
+                "transcripts: no list of names was given (--names FILE); only those of visitors"
+                " were taken out"
+            )
 
     def _bids(self, logs: Sequence[LogSource]) -> None:
         out = self._folder.path / "documentation" / "bids"
@@ -307,13 +353,15 @@ class _Bundle:
             self._about,
             recoded=bool(self._codes),
             media=self._options.media,
+            transcripts=self._options.transcripts,
             files=[README, MANIFEST, *self._folder.names()],
         )
         self._write(README, text)
 
     def _refuse_withheld(self) -> None:
         known = [*self._materials.own_texts(), *self._options.public, *self._about_texts()]
-        found = self._withheld.found_in(self._folder.path, known)
+        chosen = table_file(self._study, TRANSCRIPTS) if self._options.transcripts else ""
+        found = self._withheld.found_in(self._folder.path, known, chosen)
         found += self._withheld.codes_in(self._folder.path, _OWN)
         if found:
             places = "\n".join(f"  {name}: {text}" for name, text in found[:10])
@@ -324,7 +372,9 @@ class _Bundle:
 
     def _about_texts(self) -> Iterator[str]:
         yield deposit_texts.description(self._title, self._about, [])
-        yield deposit_texts.readme(self._title, self._about, recoded=True, media=True, files=[])
+        yield deposit_texts.readme(
+            self._title, self._about, recoded=True, media=True, transcripts=True, files=[]
+        )
         yield riek.as_markdown(riek.criteria([], self._about, None))
 
     def _manifest(self) -> None:

@@ -45,6 +45,20 @@ def add(parser: ArgumentParser) -> None:
         help="sound and pictures too, if about.yaml has share: [media]",
     )
     parser.add_argument(
+        "--with",
+        dest="more",
+        action="append",
+        default=[],
+        choices=("transcripts",),
+        help="what people said too, if about.yaml has share: [transcripts]",
+    )
+    parser.add_argument(
+        "--names",
+        type=Path,
+        metavar="FILE",
+        help="names, one a line, that are taken out of transcripts; those of visitors are anyway",
+    )
+    parser.add_argument(
         "--samples", action="store_true", help="the values of the sensors as a table, too"
     )
     parser.add_argument(
@@ -63,6 +77,9 @@ def add(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Write the folder, and say what is still missing."""
     about = read_about(arguments.about) if arguments.about is not None else NOTHING
+    names: list[str] = []
+    if arguments.names is not None:
+        names = arguments.names.read_text(encoding="utf-8").splitlines()
     sources, problems = find_sources(arguments.file)
     for problem in problems:
         print(f"{_WHO}: {problem}", file=sys.stderr)
@@ -71,6 +88,8 @@ def run(arguments: Namespace) -> int:
         registered=arguments.study,
         recode=arguments.recode,
         media=arguments.media,
+        transcripts="transcripts" in arguments.more,
+        names=names,
         samples=arguments.samples,
         public=arguments.public,
     )

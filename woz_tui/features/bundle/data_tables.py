@@ -127,13 +127,21 @@ class DataTables:
         return {**package, "resources": resources}
 
     def _answers_resource(self, columns: Iterable[Variable]) -> dict[str, Any]:
-        # No primary key: `condition` may be empty.
-        schema = {"fields": [*map(_field, (*_KEYS, *columns))], "missingValues": [""]}
-        return {
-            "name": ANSWERS,
-            "path": table_file(self.study, ANSWERS),
-            "description": "Answers once more: a row for each participant, condition and round, a "
+        return self.resource(
+            ANSWERS,
+            "Answers once more: a row for each participant, condition and round, a "
             "column for each item; those that count.",
+            (*_KEYS, *columns),
+        )
+
+    def resource(self, name: str, about: str, columns: Iterable[Variable]) -> dict[str, Any]:
+        """A table as the data package describes it."""
+        # No primary key: `condition` may be empty.
+        schema = {"fields": [*map(_field, columns)], "missingValues": [""]}
+        return {
+            "name": name,
+            "path": table_file(self.study, name),
+            "description": about,
             "profile": "tabular-data-resource",
             "format": "csv",
             "mediatype": "text/csv",
@@ -185,6 +193,7 @@ def _field(each: Variable) -> dict[str, Any]:
         "type": each.type,
         "title": each.question or each.label,
         "description": each.label,
+        **({"unit": each.unit} if each.unit and each.of is None else {}),
         **({"constraints": limits} if limits else {}),
         **({"categoryLabels": labels} if labels else {}),
     }

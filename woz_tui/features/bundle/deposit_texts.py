@@ -39,7 +39,15 @@ _FOLDERS = """\
 * `MANIFEST.sha256`: `sha256sum -c MANIFEST.sha256` compares every file"""
 
 
-def readme(title: str, about: About, *, recoded: bool, media: bool, files: Iterable[str]) -> str:
+def readme(
+    title: str,
+    about: About,
+    *,
+    recoded: bool,
+    media: bool,
+    transcripts: bool,
+    files: Iterable[str],
+) -> str:
     """The README; its first line is that of an export, so that `--force` may replace the folder."""
     parts = [
         f"{SIGN} {__version__}",
@@ -48,6 +56,10 @@ def readme(title: str, about: About, *, recoded: bool, media: bool, files: Itera
         _by(about),
         _WITHHELD + (_RECODED if recoded else "Participants have the codes of the lab."),
         "Sound is here because participants agreed to it." if media else "",
+        "What people said is in the table of transcripts, because participants agreed to it; what"
+        " was done to it says documentation/transcripts.md."
+        if transcripts
+        else "",
         "## What is where",
         _FOLDERS,
         "## Reading the tables",

@@ -68,9 +68,11 @@ class WithheldTexts:
             for words in _standing(path, wanted)
         ]
 
-    def found_in(self, folder: Path, known: Iterable[str]) -> list[tuple[str, str]]:
+    def found_in(
+        self, folder: Path, known: Iterable[str], chosen: str = ""
+    ) -> list[tuple[str, str]]:
         """The file and the text of each that stands in a file of `folder`, unless it stands in a
-        text of the researcher's, which are `known`.
+        text of the researcher's, which are `known`. The file `chosen` has people's words by choice.
         """
         own = _joined(known)
         wanted = {
@@ -82,6 +84,8 @@ class WithheldTexts:
         }
         found = []
         for name, path in _files(folder):
+            if name == chosen:
+                continue
             found += [(name, wanted[words]) for words in _standing(path, wanted)]
         program = _joined(texts_of_the_program()) if found else ""
         return [each for each in found if f" {normal(each[1])} " not in program]

@@ -166,6 +166,22 @@ async def test_a_pupil_types_the_code_of_the_class(tmp_path: Path, opened: Page)
         await aside(opened.until, lambda: opened.text("#title") == "Made by hand")
 
 
+async def test_who_guesses_codes_gets_nowhere_and_then_has_to_wait(
+    tmp_path: Path, opened: Page
+) -> None:
+    async with served_session(tmp_path) as host, pages(host) as rig:
+        await aside(opened.visit, f"{rig.here}/join/{'0' * 24}")
+        assert "This address does not exist" in await aside(opened.text, "main")
+        await aside(opened.visit, f"{rig.here}/answer")
+        assert "The address with the code is needed." in await aside(opened.text, "main")
+        for said in ("This is not the code.",) * 5 + ("wait a minute",):
+            await aside(opened.visit, rig.here)
+            field = await aside(opened.one, "input[name=code]")
+            wrong = "000000" if rig.server.visitors.class_code != "000000" else "000001"
+            await aside(field.send_keys, f"{wrong}\n")
+            await aside(opened.until, lambda said=said: said in opened.text("#complaint"))
+
+
 TLX = Questionnaire(
     "tlx",
     "The task",

@@ -95,6 +95,8 @@ def word(text: str) -> str:
 
 def say(code: str, english: str, /, *, one: str = "", **values: object) -> str:
     """What the screen says itself: as `Sentence`, in the language in use."""
+    if not _used:  # what is painted many times a second
+        return (one if one and values.get("count") == 1 else english).format_map(values)
     return word(Sentence(code, english, one=one, **values))
 
 

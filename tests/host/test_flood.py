@@ -313,8 +313,8 @@ async def test_who_is_closed_and_then_reads_leaves_no_error(
 
 def test_the_page_of_the_protocol_names_all_that_takes_long() -> None:
     page = (ROOT / "docs" / "reference" / "protocol.md").read_text(encoding="utf-8")
-    [named] = re.findall(r"notice\.\n *((?:`[a-z-]+`(?:, | and )?)+) take long", page)
+    [named] = re.findall(r"notice\.\n *((?:`[a-z.-]+`(?:, | and )?)+) take long", page)
     slow = [*get_args(request_handlers.Slow)]
     slow += (kind for each in pieces("session", type).values() for kind in each.lookups)
     kinds = {str(kind.__struct_config__.tag) for kind in slow}
-    assert {*re.findall("`([a-z-]+)`", named)} == kinds
+    assert {*re.findall("`([a-z.-]+)`", named)} == kinds

@@ -264,17 +264,31 @@ def pieces(what: str, kind: type[T]) -> dict[str, T]:
     return there
 
 
-def answer_of(name: str, otherwise: T, call: Callable[..., T], *args: Any) -> T:
-    """What a piece of the feature `name` answers. Where it raises it is named, once, and asked no
-    more in this process: whoever asks gets `otherwise`.
+def answered(
+    name: str,
+    otherwise: T,
+    call: Callable[..., T],
+    *args: Any,
+    fail: Callable[[str, Exception], object],
+    refusals: tuple[type[Exception], ...] = (),
+) -> T:
+    """What a piece of the feature `name` answers. Where it raises anything but one of `refusals`,
+    `fail` is told, and whoever asks gets `otherwise`.
     """
-    if name in _LEFT_OUT:
-        return otherwise
     try:
         return call(*args)
+    except refusals:
+        raise
     except Exception as error:  # noqa: BLE001 - of others: the rest has to go on
-        leave_out(name, error)
+        fail(name, error)
         return otherwise
+
+
+def answer_of(name: str, otherwise: T, call: Callable[..., T], *args: Any) -> T:
+    """The same: a piece that raises is named, once, and asked no more in this process."""
+    if name in _LEFT_OUT:
+        return otherwise
+    return answered(name, otherwise, call, *args, fail=leave_out)
 
 
 def answers_of(name: str, call: Callable[..., Iterable[T]], *args: Any) -> list[T]:

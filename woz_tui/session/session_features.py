@@ -16,7 +16,7 @@ from woz_tui.bus.lane import IN_HOST_LOG
 from woz_tui.config.experiment import Action, Call, Experiment
 from woz_tui.config.performers import performers_of_features
 from woz_tui.drivers.contract import Ask, Driver, Finding, Forecast, Performer, Verb
-from woz_tui.feature import features, left_out, pieces
+from woz_tui.feature import answered, features, left_out, pieces
 from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.gate.table import FeatureGate
@@ -719,13 +719,7 @@ class SessionFeatures:
 
     def _answer(self, name: str, call: Callable[..., T], otherwise: T, *args: Any) -> T:
         """As `_safely`; raises `RequestError`."""
-        try:
-            return call(*args)
-        except RequestError:
-            raise
-        except Exception as error:  # noqa: BLE001 - of others: the session goes on without it
-            self._fail(name, error)
-            return otherwise
+        return answered(name, otherwise, call, *args, fail=self._fail, refusals=(RequestError,))
 
     def _fail(self, name: str, error: Exception) -> None:
         log.error("the feature %s failed", name, exc_info=error)

@@ -176,7 +176,8 @@ def read_report(
     lines, some = 0, False
     for message in messages(path, damage, places=places, samples=samples):
         if type(message) is Reading:
-            latest_us = max(latest_us, message.t)
+            if message.t > latest_us:  # noqa: PLR1730 - `max` is a call for each of so many
+                latest_us = message.t
             for take in takers[message.sensor]:
                 take(message)
             continue

@@ -46,7 +46,7 @@ def messages(
     found = Damage() if damage is None else damage
     found.lacks(files.missing)
     every = batches(files.paths, found, gaps=samples, block=block)
-    return (item for batch in every for item in batch)
+    return chain.from_iterable(every)
 
 
 def batches(

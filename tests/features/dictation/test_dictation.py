@@ -11,8 +11,10 @@ from argparse import Namespace
 from array import array
 from pathlib import Path
 
+import msgspec
 import pytest
 
+from tests.console import scenes
 from tests.console.dialogs import entry
 from tests.console.piloting import piloted_console
 from tests.features.phases.test_phases_on_screen import at
@@ -161,6 +163,22 @@ async def test_it_stands_in_the_field_of_say_and_enter_says_it() -> None:
         assert asked.args["text"] == "It is a whale. And {{big}}."
         await pilot.press("slash")
         assert entry(pilot).value == ""
+
+
+async def test_after_a_lost_line_nothing_stands_there_twice() -> None:
+    texts = [
+        Dictated(dictation=n, text=text) for n, text in ((1, "One."), (2, "Two."), (3, "Three."))
+    ]
+    said = DictationSaid(command="c1", dictations=[1])
+    async with piloted_console() as pilot:
+        for seq, message in enumerate((*texts[:2], said), 5000):
+            await at(pilot, message, seq)
+        await pilot.press("slash")
+        assert entry(pilot).value == "Two."
+        recent = [*texts[:2], said, texts[2]]
+        placed = [msgspec.structs.replace(line, t=scenes.NOW) for line in recent]
+        await pilot.tell(scenes.welcome(recent=placed))
+        assert entry(pilot).value == "Two. Three."
 
 
 async def test_a_wizard_who_dictates_nothing_has_the_usual_field() -> None:

@@ -27,7 +27,11 @@ class DictatedSayDialog(SayDialog):
         self._take()
 
     def _take(self) -> None:
-        notes = self.state.study.notes.of(DictatedTexts)
-        if notes is not None and notes.waiting and self.there:
-            before = self.entry.value.rstrip()
-            self.set_text(f"{before} {notes.take()}".lstrip().replace("{", "{{").replace("}", "}}"))
+        """Each once, also where the line to the robot was lost meanwhile."""
+        notes, drafts = self.state.study.notes.of(DictatedTexts), self.requests.drafts
+        place = f"dictated {self.state.log}"
+        texts = notes.after(int(drafts.get(place, "0"))) if notes is not None else {}
+        if texts and self.there:
+            drafts[place] = str(max(texts))
+            new = " ".join(texts.values()).replace("{", "{{").replace("}", "}}")
+            self.set_text(f"{self.entry.value.rstrip()} {new}".lstrip())

@@ -1,32 +1,31 @@
-"""Dictated texts that no field has got yet."""
+"""Dictated texts that have not been said yet."""
 
 from __future__ import annotations
 
 from woz_tui.console.state.feature_notes import FeatureNotes, StudyNews
-from woz_tui.features.dictation.kinds import Dictated
+from woz_tui.features.dictation.kinds import Dictated, DictationSaid
 from woz_tui.timeline.session_state import SessionState
 
 
 class DictatedTexts(FeatureNotes):
-    """What waits for the field of `say`; `begun`: whether anything was dictated."""
+    """What the field of `say` gets; `begun`: whether anything was dictated."""
 
-    hears = (Dictated,)
+    hears = (Dictated, DictationSaid)
 
     def __init__(self, session: SessionState) -> None:
         super().__init__(session)
         self.begun = False
-        self.waiting: list[str] = []
-        self._seen = 0
+        self._unsaid: dict[int, str] = {}
 
-    def apply(self, message: Dictated) -> StudyNews | None:
-        if message.dictation <= self._seen:
+    def apply(self, message: Dictated | DictationSaid) -> StudyNews | None:
+        if isinstance(message, DictationSaid):
+            for number in message.dictations:
+                self._unsaid.pop(number, None)
             return None
-        self._seen, self.begun = message.dictation, True
-        self.waiting.append(message.text)
+        self.begun = True
+        self._unsaid[message.dictation] = message.text
         return StudyNews(f"Dictated: {message.text}", "good", command=("say", "look at it"))
 
-    def take(self) -> str:
-        """What waits, once."""
-        text = " ".join(self.waiting)
-        self.waiting.clear()
-        return text
+    def after(self, number: int) -> dict[int, str]:
+        """Texts that came after the one of this number and have not been said."""
+        return {each: text for each, text in self._unsaid.items() if each > number}

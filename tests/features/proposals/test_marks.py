@@ -50,9 +50,11 @@ def test_the_mark_tells_nothing_of_a_sentence_that_depends_on_the_condition(
         ):
             rig.session.play(action, RequestOrigin("key", "h", "con2"))
             proposals.carry_out(AskPropose(texts=[text]), program)
+        knows = Client("con3", "program", "knows", tells=("condition",))
+        proposals.carry_out(AskPropose(texts=["Look at the map"]), knows)
 
     sections: dict[object, object] = {PROPOSALS: Proposals(SuggestKeysOfFile())}
     identity = SessionIdentity(participant="P07", condition="warm")
     rig = on_stage(tmp_path, scenario, identity=identity, sections=sections)
     said = [(item.marks, item.likeness) for line in rig.of(SuggestOffered) for item in line.items]
-    assert said == [([], 0.0), (["repeats"], 1.0)]
+    assert said == [([], 0.0), (["repeats"], 1.0), ([], 0.0)]

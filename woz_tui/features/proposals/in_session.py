@@ -383,7 +383,9 @@ class ProposalsInSession(SessionFeature):
                         longest=LONGEST,
                     )
                 )
-            items.append(self._marked(ProposedItem(str(len(items) + 1), text=text)))
+            item = ProposedItem(str(len(items) + 1), text=text)
+            # A number would tell what the sentence is that somebody may not read.
+            items.append(item if client.tells else self._marked(item))
         for action in request.actions:
             if self.session.experiment.action(action) is None:
                 raise RequestError(

@@ -19,7 +19,7 @@ from woz_tui.features.page import answer_page, watch_view
 from woz_tui.features.page.doctor import CHECKS
 from woz_tui.features.page.kinds import PageClosed, PageFailed, PageOpened
 from woz_tui.features.page.section import PAGE, PageSettings, command_line
-from woz_tui.protocol.requests import AskEnd
+from woz_tui.protocol.requests import AskEnd, AskReload
 
 ASKED = "questionnaires: [{name: ux, items: [{name: a, question: Q?}]}]\n"
 
@@ -148,6 +148,22 @@ async def test_pages_run_with_the_session_and_end_with_it(host: RobotProcess) ->
         last = server(host)
         await woz.request(AskEnd())
     await asyncio.to_thread(last.wait, 20)
+
+
+@pytest.mark.real_clock
+async def test_a_file_that_is_read_again_begins_pages_anew(
+    host: RobotProcess, tmp_path: Path
+) -> None:
+    file = tmp_path / "study.yaml"
+    async with connect(host.socket) as woz:
+        assert (await opened(woz)).roles == ["watch", "answer"]
+        back = asyncio.create_task(opened(woz, again=True))
+        await asyncio.sleep(0)  # it listens
+        file.write_text(file.read_text().replace("page: {", "page: {for: [answer], "))
+        await woz.request(AskReload())
+        again = await back
+        assert (again.roles, again.class_code) == (["answer"], "")
+        await woz.request(AskEnd())
 
 
 @pytest.mark.real_clock

@@ -7,9 +7,13 @@ import re
 from contextlib import AsyncExitStack
 from pathlib import Path
 
+import pytest
+
 from tests.features.page.rig import pages
+from tests.features.page.test_answer_page import Clock
 from tests.host.rig import served_session
 from tests.session.study_rig import study_experiment
+from woz_tui.features.page import server as page_server
 from woz_tui.protocol import messages as m
 
 
@@ -134,6 +138,25 @@ async def test_a_robot_process_that_is_gone_is_said_to_be_lost(tmp_path: Path) -
             await host.host.close()
             view = await reader.until(lambda view: view["lost"])
             assert view["lost"] == "The robot process is gone"
+
+
+async def test_pages_end_when_the_robot_process_is_gone_for_good(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else they would hold their port when the next session begins."""
+    monkeypatch.setattr(page_server, "FAREWELL_S", 0.0)
+    clock, said = Clock(), list[str]()
+    async with served_session(tmp_path) as host, pages(host, told=said, clock=clock) as rig:
+        watcher = await rig.watcher()
+        async with watcher.news("/watch/news") as reader:
+            await reader.until(lambda view: view["title"] == "Made by hand")
+            await host.host.close()
+            await reader.until(lambda view: view["lost"])
+            over = asyncio.create_task(rig.server.until_over())
+            while not over.done():
+                clock.ahead_us += round(page_server.GONE_S * 1e6)
+                await reader.more()
+        assert said == ["The robot process is gone, so the pages end, too."]
 
 
 async def test_large_for_a_projector_and_without_javascript(tmp_path: Path) -> None:

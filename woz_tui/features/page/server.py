@@ -52,6 +52,8 @@ MOST_STREAMS = 100
 _FORM_BYTES = 1 << 18
 #: Seconds for which the pages of a session that is over can still be loaded.
 FAREWELL_S = 10.0
+#: Seconds after which pages end whose session's process has gone without an end.
+GONE_S = 20.0
 #: Browsers in which somebody answers at the same time.
 MOST_SEATS = 8
 
@@ -100,6 +102,8 @@ class PageServer:
             session, "watcher", explain, clock, name=name, failed=self.failures.tell
         )
         self.visitors = Visitors(self._tell_class, clock, roles)
+        self._clock, self._is_far = clock, explain is not None
+        self._lost_us = 0
         self._pictures = WatchedPictures(self.watching, cameras, clock)
         #: Called when the class has another code.
         self.on_class_code: Callable[[], None] = _nothing
@@ -411,6 +415,20 @@ class PageServer:
         if state.ended and not self._debriefs:
             self._over.set()
         self._news.publish(self._view())
+        self._end_if_gone()
+
+    def _end_if_gone(self) -> None:
+        """Pages that nobody ends would keep their port from those of the next session. A session on
+        another computer is looked for as long as somebody wants.
+        """
+        state, now = self.watching.state, self._clock.now_us()
+        if not state.lost or state.ended or self._is_far:
+            self._lost_us = 0
+        elif not self._lost_us:
+            self._lost_us = now
+        elif now - self._lost_us >= GONE_S * 1e6 and not self._over.is_set():
+            self._tell("The robot process is gone, so the pages end, too.")
+            self._over.set()
 
 
 def _nothing() -> None:

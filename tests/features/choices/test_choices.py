@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.features.page.rig import pages
+from tests.features.page.test_watch_page import texts
 from tests.host.rig import Peer, ServedSession, served_session
 from tests.session.rig import action, call, experiment, together
 from tests.session.study_rig import PLANNED, study_experiment
@@ -169,6 +171,17 @@ async def test_a_choice_that_depends_on_the_condition_is_nothing_for_the_blind(
         assert "option" not in seen or not seen["option"]
         assert not [line for line in stage.wizard.seen if line["kind"] == "choice.offered"]
         assert "condition" in stage.host.of(ChoiceOffered)[0].tells
+
+
+async def test_who_watches_reads_what_is_offered_and_chosen(tmp_path: Path) -> None:
+    made = offering(experiment(tmp_path))
+    async with on_stage(made) as stage, pages(stage.host) as rig:
+        watcher = await rig.watcher()
+        async with watcher.news("/watch/news") as reader:
+            offer = await stage.offer()
+            await reader.until(lambda view: "Offered: Which colour? Red, Blue" in texts(view))
+            await stage.page.ask("choose", offer=offer, option="Blue")
+            await reader.until(lambda view: "Chosen: Blue" in texts(view))
 
 
 def test_a_slot_that_hears_takes_what_was_chosen() -> None:

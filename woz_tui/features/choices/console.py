@@ -17,7 +17,8 @@ _GONE = {
 
 
 def _offered(message: ChoiceOffered, shown: EventContext) -> EventLine:
-    return EventLine("info", f"Offered: {', '.join(message.options)}", message.question)
+    asked = message.question or message.choice
+    return EventLine("info", f"Offered: {asked}", ", ".join(message.options))
 
 
 def _made(message: ChoiceMade, shown: EventContext) -> EventLine:

@@ -27,8 +27,6 @@ FIELDS: dict[str, tuple[str, str]] = {
     "url": ("", "the model's address"),
     "approval": ("", "the program does nothing that is not taken; absent: it only offers"),
     "programs": ("", "names of programs that only propose; absent: none"),
-    "offered": ("", "whether proposals are offered in this trial: chance has decided"),
-    "fits": ("", "whether one of the actions answers the cue; false: they were planted, or none"),
     "dictation": ("", "number of the dictated text, from 1"),
     "dictations": ("", "the dictated texts in the sentence, by their numbers"),
     "lasted_us": ("µs", "how long the wizard spoke"),

@@ -293,6 +293,15 @@ SECTION = Section(Keys, 0)
 """,
     "gate": "from woz_tui.gate.table import FeatureGate\n\nGATE = FeatureGate()\n",
 }
+#: Its part in a session raises when it is made.
+RAISING = """
+from woz_tui.session.session_features import SessionFeature
+
+
+class Raising(SessionFeature):
+    def __init__(self, session):
+        raise ZeroDivisionError
+"""
 READ = """
 import sys
 from pathlib import Path
@@ -348,6 +357,13 @@ def test_no_session_begins_where_what_the_file_forbids_cannot_be_forbidden(tmp_p
     assert host.returncode == 1
     assert "guarded: the feature cannot be used" in host.stderr
     assert not (tmp_path / "recordings").exists()
+
+    (site / "guarded" / "part.py").write_text(RAISING)
+    text = GUARDED["__init__"].replace("nowhere:Nothing", "part:Raising")
+    (site / "guarded" / "__init__.py").write_text(text)
+    host = run("-m", "woz_tui", "host", str(used), "--recordings", str(tmp_path / "recordings"))
+    assert host.returncode == 1
+    assert "guarded failed and cannot begin" in host.stderr
 
 
 def test_none_of_ours_is_left_out_and_each_piece_is_what_its_room_uses() -> None:

@@ -388,6 +388,12 @@ class SessionFeatures:
             if features()[name].gate and name not in gates:
                 continue  # nothing of it would be forbidden
             self._safely(name, self._add, None, name, kind)
+            if features()[name].gate and name not in self._all and _is_used(name, session):
+                # It has said nothing yet by which its rows could go.
+                raise RequestError(
+                    Sentence("session.cannot_begin", "{name} failed and cannot begin", name=name),
+                    IN_HOST_LOG,
+                )
         self._pass_by(frozenset())
 
     def _add(self, name: str, kind: type[SessionFeature]) -> None:
@@ -747,6 +753,15 @@ class SessionFeatures:
                 fact = feature.fact()
                 if fact is not None:
                     self.failed[name] = fact
+
+
+def _is_used(name: str, session: FeatureSession) -> bool:
+    """Whether the file has a section of this feature."""
+    # Not above: features are looked up where it loads, and theirs may need this module.
+    from woz_tui.config.feature_section import FeatureSection  # noqa: PLC0415
+
+    section = pieces("section", FeatureSection).get(name)
+    return section is not None and section.of(session.experiment) != section.empty
 
 
 def _is_idle(feature: SessionFeature) -> bool:

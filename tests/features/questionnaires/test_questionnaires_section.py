@@ -127,3 +127,23 @@ def test_a_slip_in_one_key_is_one_error_that_names_all_keys(tmp_path: Path) -> N
     assert keys.startswith("unknown; an item has: question, ")
     assert keys.endswith(", prefer_not, if")
     assert how == "'wieghted' is not known; did you mean 'weighted'?"
+
+
+def test_a_stem_of_its_own_begins_an_item_of_any_kind(tmp_path: Path) -> None:
+    """That of the questionnaire begins scales alone: others are questions by themselves."""
+    head = f"""{HEAD}questionnaires:
+  - name: a
+    stem: The robot was
+    items:
+      - {{name: kind, question: kind}}
+      - {{name: hard, question: How hard was it?, slider: {{}}}}
+      - {{name: warm, stem: I felt, between: [cold, warm], slider: {{}}}}
+      - {{name: mood, stem: I was, question: "...", choices: [glad, sad]}}
+"""
+    [asked] = QUESTIONNAIRES.of(read_experiment(tmp_path, panel(HELLO, head=head))).questionnaires
+    assert [wording(item) for item in asked.items] == [
+        *("The robot was kind", "How hard was it?", "I felt cold - warm", "I was ..."),
+    ]
+    page = head.replace("{name: kind, question: kind}", "{page: Read on., stem: Please}")
+    with pytest.raises(ExperimentError, match="an instruction has no 'stem'"):
+        read_experiment(tmp_path, panel(HELLO, head=page))

@@ -116,6 +116,9 @@ class ItemEntry(Entry):
     example = "a question, or {name: ..., question: ...}"
     question: Annotated[_Words, Doc("as the participant reads it")] = ""
     name: NameOfEntry = ""
+    stem: Annotated[
+        _Words, Doc("how it begins, of whatever kind it is, instead of the questionnaire's stem")
+    ] = ""
     scale: ScaleOfEntry = None
     between: Annotated[
         tuple[Text, Text] | None, Doc("two opposites, which are the ends of the scale")
@@ -204,7 +207,7 @@ class ReadItem:
             text=self.kind == "text",
             optional=required == "optional" and not page,
             kind="scale" if self.kind == "text" else self.kind,
-            stem=told(self.defaults.stem) if self.kind == "scale" else "",
+            stem=told(entry.stem or (self.defaults.stem if self.kind == "scale" else "")),
             labels=tuple(
                 ItemLabel(value - shift, told(text)) for value, text in scale.labels.items()
             ),
@@ -248,7 +251,16 @@ QUESTIONNAIRE_TEXTS = (
     *("title", "introduction", "stem", "scale.ends.*", "scale.points.*", "scale.labels.*"),
 )
 _ITEM_TEXTS = (
-    *("question", "page", "other", "does_not_apply", "prefer_not", "between.*", "choices.*"),
+    *(
+        "question",
+        "stem",
+        "page",
+        "other",
+        "does_not_apply",
+        "prefer_not",
+        "between.*",
+        "choices.*",
+    ),
     *("scale.ends.*", "scale.points.*", "scale.labels.*", "slider.ends.*", "number.unit"),
 )
 
@@ -383,7 +395,15 @@ _ONLY_IN: Mapping[str, Collection[str]] = {
     "flip": ("scale", "slider"),
 }
 #: Keys of questions, which an instruction has not.
-_OF_QUESTIONS = ("question", "optional", "required", "private", "does_not_apply", "prefer_not")
+_OF_QUESTIONS = (
+    "question",
+    "stem",
+    "optional",
+    "required",
+    "private",
+    "does_not_apply",
+    "prefer_not",
+)
 
 
 def _kind(table: Mapping[str, Cursor], entry: ItemEntry) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
+import msgspec
 import pytest
 from msgspec.structs import replace
 from textual.widgets import Input
@@ -119,6 +120,22 @@ async def test_tab_takes_words_that_were_heard() -> None:
         assert isinstance(request, r.AskAction)
         assert request.slots == {"colour": "wonderful"}
         assert request.slot_sources == {"colour": "heard"}
+
+
+async def test_words_that_were_heard_outlast_a_lost_line() -> None:
+    """The last lines that come anew may not reach back to them."""
+    async with piloted_console(guide()) as pilot:
+        text = m.SpeechText(driver="ears", segment=1, text="The blue one, wonderful!", t=NOW)
+        await pilot.tell(replace(text, seq=101))
+        await pilot.tell(guide())
+        await pilot.press("a", "tab")
+        assert field(pilot).value == "blue"
+        await pilot.press("ctrl+q")
+        other = guide()
+        lines = [bytes(line).replace(b'"seed":', b'"seed":9') for line in other.state]
+        await pilot.tell(replace(other, state=[msgspec.Raw(line) for line in lines]))
+        await pilot.press("a", "tab")
+        assert field(pilot).value == "", "of another session they are nobody's"
 
 
 async def test_ctrl_q_leaves_and_escape_stops() -> None:

@@ -253,7 +253,7 @@ class ConsoleState:
 
     def _welcome(self, welcome: r.Welcome, local_us: int) -> None:
         """Begin anew; what the wizard has seen of this session stays seen."""
-        session, seen = self.session, self.runs.seen
+        session, seen, notes = self.session, self.runs.seen, self.study.notes
         fresh = ConsoleState(edition=self.edition, before=session.study.participant or self.before)
         for name in self.__slots__:
             setattr(self, name, getattr(fresh, name))
@@ -269,6 +269,7 @@ class ConsoleState:
         self._recall(welcome)
         if self.session.start == session.start:  # else the numbers of runs have begun anew
             self.runs.seen = seen
+            self.study.notes.keep(notes)
         self.role, self.part = welcome.role, welcome.part  # whatever old lines say of it
         self.study.read_news()  # old ones
 

@@ -42,6 +42,11 @@ class FeatureNotes:
     def follow(self) -> None:
         """Take over what `session` holds, which may have come without its messages."""
 
+    def keep(self, before: Any) -> None:
+        """Keep what the same notes had before the line to the session was lost: the last messages,
+        which come anew, may not reach back so far.
+        """
+
 
 N = TypeVar("N", bound=FeatureNotes)
 
@@ -77,6 +82,15 @@ class AllNotes:
                 notes.follow()
             except Exception:  # noqa: BLE001 - of others: the rest has to go on
                 self._give_up(kind)
+
+    def keep(self, before: AllNotes) -> None:
+        """Keep what these had of the same session."""
+        for kind, notes in [*self._all.items()]:
+            if (old := before.of(kind)) is not None:
+                try:
+                    notes.keep(old)
+                except Exception:  # noqa: BLE001 - of others: the rest has to go on
+                    self._give_up(kind)
 
     def _give_up(self, kind: type[FeatureNotes]) -> None:
         log.exception("%s failed", kind.__name__)

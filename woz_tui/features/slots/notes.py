@@ -26,6 +26,9 @@ class HeardWords(FeatureNotes):
             self.words = words_of(message.text)
         return None
 
+    def keep(self, before: HeardWords) -> None:
+        self.words = self.words or before.words
+
 
 def words_of(text: str) -> tuple[str, ...]:
     """Words without what stands around them, the longest first: it is seldom the article."""

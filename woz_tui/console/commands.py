@@ -17,6 +17,7 @@ from pkgutil import resolve_name
 from typing import Any
 
 from woz_tui.config.keys.console_keys import BuiltinKey, builtin_key, played_by
+from woz_tui.config.screen_language import word
 from woz_tui.console.drawing.theme import CHOICES, save_theme
 from woz_tui.console.input.keyboard import KeyPress
 from woz_tui.console.screens.dialog import (
@@ -69,7 +70,7 @@ def by_key(commands: Iterable[ConsoleCommand]) -> dict[str, ConsoleCommand]:
 def hints(state: ConsoleState, commands: Mapping[str, ConsoleCommand]) -> list[tuple[str, str]]:
     """Keys worth naming in this session: id and word, the most important first."""
     named = sorted(
-        (command.hint.rank, name, command.hint.word)
+        (command.hint.rank, name, word(command.hint.word))
         for name, command in commands.items()
         if name == command.name and command.hint is not None
         if command.hint.worth(state) and command.serves(state.role)

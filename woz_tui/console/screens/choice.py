@@ -11,6 +11,7 @@ from textual.widget import Widget
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
+from woz_tui.config.screen_language import word
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import Dialog, EntryDialog, content, plain
 
@@ -145,7 +146,7 @@ class SearchDialog(EntryDialog, Generic[T]):
         if self.shown:
             self._list.highlighted = self.first(typed)
         elif self.nothing:
-            self._list.add_option(Option(plain(self.nothing), disabled=True))
+            self._list.add_option(Option(plain(word(self.nothing)), disabled=True))
 
     def action_choose(self, by: int) -> None:
         """Move in the list; the text field keeps the keyboard. Pages end at its ends."""

@@ -25,6 +25,7 @@ from textual.visual import RenderOptions, Visual, VisualType
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
+from woz_tui.config.screen_language import word
 from woz_tui.console.drawing.cells import Row, clean, wrap_row
 from woz_tui.console.drawing.partial_update import PartialScreen
 from woz_tui.console.input.keyboard import ConsoleKey
@@ -230,8 +231,8 @@ class Dialog(PartialScreen[None], ModalScreen[None]):
     def compose(self) -> ComposeResult:
         """The frame with its heading, the body, the hint on the lower edge."""
         with Vertical(classes=f"dialog {self.size_class}") as box:
-            box.border_title = self.heading
-            box.border_subtitle = self.glyphs.plain(self.hint)
+            box.border_title = word(self.heading)
+            box.border_subtitle = self.glyphs.plain(word(self.hint))
             yield from self.body()
 
     def show_hint(self, hint: str) -> None:
@@ -359,7 +360,7 @@ class EntryDialog(Dialog):
     def body(self) -> Iterable[Widget]:
         yield Input(
             self.requests.drafts.get(self.draft, ""),
-            placeholder=self.placeholder,
+            placeholder=word(self.placeholder),
             select_on_focus=False,
             id="entry",
         )

@@ -11,6 +11,7 @@ from functools import cache
 
 from rich.cells import cell_len
 
+from woz_tui.config.screen_language import word
 from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.drawing.cells import (
     Cells,
@@ -183,7 +184,7 @@ def order_row(state: ConsoleState, frame: PaintFrame, caps: Sequence[str] = ()) 
 
 def no_order() -> str:
     """What stands in place of its row where there is nothing in it."""
-    return found[1].nothing if (found := _order()) is not None else ""
+    return word(found[1].nothing) if (found := _order()) is not None else ""
 
 
 def next_row(
@@ -231,7 +232,7 @@ class OrderPane(Cells):
         nothing: Sequence[Row] = ()
         inner = replace(frame, height=frame.height - 1)
         rows = answer_of(name, nothing, order.rows, state, inner)
-        self.show([heading(order.heading, frame), *rows])
+        self.show([heading(word(order.heading), frame), *rows])
 
 
 @dataclass(frozen=True, slots=True)

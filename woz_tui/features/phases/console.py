@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row, fit_most
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.input.keyboard import KeyPress
@@ -18,6 +19,7 @@ from woz_tui.console.widgets.feature_console import (
 )
 from woz_tui.features.phases.history import next_phase
 from woz_tui.features.phases.kinds import AskPhase, PhaseChanged
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.text_cleaning import elapsed
 
 
@@ -35,7 +37,7 @@ def _present(state: ConsoleState, frame: PaintFrame, cells: int) -> Row:
         return ()
     present = state.session.study.stage
     if present is None:
-        return (("no phase ", "muted"),)
+        return ((f"{say('phases.no_phase', 'no phase')} ", "muted"),)
     name = fit_most(state.heading(present.name), cells, frame.glyphs.ellipsis)
     planned, passed = present.planned_us, frame.now - present.begin
     limit = f"/{elapsed(planned)}" if planned else ""
@@ -53,20 +55,26 @@ def _following(state: ConsoleState) -> NextStep | None:
 def _finds(state: ConsoleState) -> Iterator[FoundRequest]:
     for phase in state.settings.phases:
         request = AskPhase(phase=phase.name, source="palette")
-        yield FoundRequest(f"Phase {phase.heading}", "phase", request)
+        name = say("phases.named", "Phase {phase}", phase=phase.heading)
+        yield FoundRequest(name, say("phases.found", "phase"), request)
 
 
 def _changed(message: PhaseChanged, shown: EventContext) -> EventLine:
     heading = shown.heading(message.phase)
     asker = other_console(message.console, shown)
-    return EventLine("info", f"Phase {heading}" if heading else "No phase holds", asker)
+    named = say("phases.named", "Phase {phase}", phase=heading)
+    return EventLine("info", named if heading else say("phases.over", "No phase holds"), asker)
 
 
 SENTENCES = {PhaseChanged: _changed}
 
 CONSOLE = FeatureConsole(
     commands=(
-        FeatureCommand("phase_next", sends=_next, hint=KeyHint(2.5, "phase", _can_begin)),
+        FeatureCommand(
+            "phase_next",
+            sends=_next,
+            hint=KeyHint(2.5, Sentence("phases.hint", "phase"), _can_begin),
+        ),
         FeatureCommand("phases", f"{__package__}.dialog:PhasesDialog", watchers=True),
     ),
     present=_present,

@@ -8,11 +8,13 @@ from functools import partial
 from rich.cells import cell_len
 from textual.content import Content
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.features.phases.history import PhaseHistory, can_begin, next_phase
 from woz_tui.features.phases.kinds import AskPhase
 from woz_tui.protocol.panels import PhaseView
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.text_cleaning import elapsed
 
 #: Cells of a phase's title at the most.
@@ -22,15 +24,19 @@ TITLE = 26
 class PhasesDialog(ChoiceDialog):
     """The next one is chosen at first."""
 
-    heading = "Phase"
-    hint = "arrows choose · enter begins it · ctrl+q closes"
+    heading = Sentence("phases.heading", "Phase")
+    hint = Sentence("phases.keys", "arrows choose · enter begins it · ctrl+q closes")
 
     def lines(self) -> list[Row]:
         """Where none can begin, why."""
         if not self._phases:
-            return [(("The experiment file has no phases. phases: [...] adds them.", "muted"),)]
+            none = say(
+                "phases.file_has_none",
+                "The experiment file has no phases. phases: [...] adds them.",
+            )
+            return [((none, "muted"),)]
         if self.state.session.study.between_trials:
-            return [(("Phases begin with a trial.", "muted"),)]
+            return [((say("phases.begin_with_trial", "Phases begin with a trial."), "muted"),)]
         return []
 
     @property
@@ -50,11 +56,15 @@ class PhasesDialog(ChoiceDialog):
             parts = []
             if stage is not None and stage.name == phase.name:
                 mark = self.glyphs.here
-                parts.append("present")
+                parts.append(say("phases.is_present", "present"))
             elif phase.after and not can_begin(state.session, phase, phases):
-                parts.append(f"after {' or '.join(map(state.heading, phase.after))}")
+                first, *others = map(state.heading, phase.after)
+                for name in others:
+                    first = say("phases.or", "{phase} or {other}", phase=first, other=name)
+                parts.append(say("phases.after", "after {phases}", phases=first))
             if phase.planned:
-                parts.append(f"planned {elapsed(round(phase.planned * 1_000_000))}")
+                planned = elapsed(round(phase.planned * 1_000_000))
+                parts.append(say("phases.planned", "planned {time}", time=planned))
             if phase.panels:
                 parts.append(", ".join(phase.panels))
             line = Content.assemble(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean, fit_most
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
@@ -12,15 +13,21 @@ from woz_tui.console.state.event_sentences import EventContext, EventLine, other
 from woz_tui.console.widgets.feature_console import FeatureCommand, FeatureConsole
 from woz_tui.features.profiles.history import ProfileHistory
 from woz_tui.features.profiles.kinds import ProfileChanged
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.protocol.welcome import Allowance
 
 #: Cells of a profile's name on a narrow screen, and columns from which it has a quarter of them and
 #: its word stands before it.
 NAME, WORDY = 14, 100
 #: What may be used where no profile is in use.
-EVERYTHING = "everything"
+EVERYTHING = Sentence("profiles.everything", "everything")
 #: What a profile names -> before the names; in this order.
-_KINDS = {"panels": "panels", "actions": "actions", "controls": "knobs", "verbs": "by themselves"}
+_KINDS = {
+    "panels": Sentence("profiles.panels", "panels"),
+    "actions": Sentence("profiles.actions", "actions"),
+    "controls": Sentence("profiles.knobs", "knobs"),
+    "verbs": Sentence("profiles.verbs", "by themselves"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,18 +50,19 @@ class ProfileList:
     def words(self, name: str) -> str:
         """What the profile allows; empty where nobody has told."""
         if not name:
-            return "no profile: every panel, knob and verb"
+            return say("profiles.all", "no profile: every panel, knob and verb")
         if name not in self.names:
-            return "not in the file any more"
+            return say("profiles.not_in_file", "not in the file any more")
         told = self.allows.get(name)
         if told is None:
             return ""
         parts = [
-            f"{word}: {', '.join(map(str, names))}"
-            for kind, word in _KINDS.items()
+            f"{word(heading)}: {', '.join(map(str, names))}"
+            for kind, heading in _KINDS.items()
             if (names := getattr(told, kind))
         ]
-        return "; ".join([*parts, "the rest is hidden"] if told.hide else parts)
+        hidden = [say("profiles.rest_hidden", "the rest is hidden")] if told.hide else []
+        return "; ".join([*parts, *hidden])
 
 
 def profiles_of(state: ConsoleState) -> ProfileList:
@@ -70,14 +78,18 @@ def _in_use(state: ConsoleState, frame: PaintFrame) -> Row:
     if not name:
         return ()
     wide = frame.width >= WORDY
-    word, most = ("profile ", frame.width // 4) if wide else ("", NAME)
-    shown = fit_most(name, most, frame.glyphs.ellipsis)
-    return (("  ", "plain"), (f"{frame.glyphs.locked} {word}{shown}", "wait"))
+    shown = fit_most(name, frame.width // 4 if wide else NAME, frame.glyphs.ellipsis)
+    told = say("profiles.in_use_here", "profile {profile}", profile=shown) if wide else shown
+    return (("  ", "plain"), (f"{frame.glyphs.locked} {told}", "wait"))
 
 
 def _changed(message: ProfileChanged, shown: EventContext) -> EventLine:
     name = message.profile
-    what = f"Profile {name}" if name else "No profile: everything may be used"
+    what = (
+        say("profiles.named", "Profile {profile}", profile=name)
+        if name
+        else say("profiles.none_in_use", "No profile: everything may be used")
+    )
     return EventLine("info", what, other_console(message.console, shown))
 
 

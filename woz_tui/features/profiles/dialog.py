@@ -9,10 +9,12 @@ from rich.cells import cell_len
 from textual.content import Content
 from textual.widgets import OptionList
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.features.profiles.console import EVERYTHING, profiles_of
 from woz_tui.features.profiles.kinds import AskProfile
+from woz_tui.protocol.sentence import Sentence
 
 #: Cells of a profile's name at the most.
 NAME = 20
@@ -21,14 +23,17 @@ NAME = 20
 class ProfileDialog(ChoiceDialog):
     """The one in use is chosen at first, so that enter after a slip changes nothing."""
 
-    heading = "Profile"
-    hint = "arrows choose · enter uses it · ctrl+q closes"
+    heading = Sentence("profiles.heading", "Profile")
+    hint = Sentence("profiles.keys", "arrows choose · enter uses it · ctrl+q closes")
 
     def lines(self) -> list[Row]:
         """What a profile is; where there is none, that the file names none."""
         if profiles_of(self.state).names:
-            return [(("The stop, markers and notes count in each of them.", "muted"),)]
-        return [(("The experiment file names no profiles.", "muted"),)]
+            always = say("profiles.always", "The stop, markers and notes count in each of them.")
+            return [((always, "muted"),)]
+        return [
+            ((say("profiles.file_has_none", "The experiment file names no profiles."), "muted"),)
+        ]
 
     def choices(self) -> Sequence[ListChoice]:
         """Everything first, then the file's; each with what it allows."""
@@ -41,12 +46,12 @@ class ProfileDialog(ChoiceDialog):
         ]
 
     def _rows(self) -> list[Content]:
-        names = [clean(name or EVERYTHING) for name in self._names]
+        names = [clean(name or word(EVERYTHING)) for name in self._names]
         width = min(NAME, max(map(cell_len, names)))
-        in_use = f"{self.glyphs.yes} in use  "
+        in_use = f"{self.glyphs.yes} {say('profiles.in_use', 'in use')}  "
         return [
             Content.assemble(
-                (fit(in_use if name == self._shown.current else "", len(in_use)), "bold"),
+                (fit(in_use if name == self._shown.current else "", cell_len(in_use)), "bold"),
                 fit(shown, width, self.glyphs.ellipsis),
                 (f"  {clean(self._shown.words(name))}", "$woz-muted"),
             )

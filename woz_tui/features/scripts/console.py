@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from rich.cells import cell_len
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean, cut
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.input.keyboard import KeyPress
@@ -19,9 +20,17 @@ from woz_tui.console.widgets.feature_console import (
 )
 from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.features.scripts.shown_script import ShownScript, has_script, shown_script
+from woz_tui.protocol.sentence import Sentence
 
 #: How a line ended at which the script stands still, where another word is plainer.
-_HALTED = {"stopped": "was cut", "superseded": "was cut", "mistake": "marked as a mistake"}
+_CUT = Sentence("scripts.was_cut", "was cut")
+_HALTED = {
+    "stopped": _CUT,
+    "superseded": _CUT,
+    "mistake": Sentence("scripts.marked_mistake", "marked as a mistake"),
+    "failed": Sentence("scripts.failed", "failed"),
+    "refused": Sentence("scripts.refused", "refused"),
+}
 #: Lines of the script behind the next one, at the most, in its row.
 AHEAD = 11
 #: Lines of the script that stay above the next one where not all have room.
@@ -31,7 +40,7 @@ WORDS = 2
 #: Cells that words are indented by.
 INDENT = 5
 #: What stands for the keys where there are none.
-NO_CAPS = ("script", "")
+NO_CAPS = (Sentence("scripts.hint", "script"), "")
 
 
 def _play(press: KeyPress) -> AskScript:
@@ -62,19 +71,29 @@ def script_row(state: ConsoleState, frame: PaintFrame, caps: Sequence[str]) -> R
     script, glyphs = shown_script(state), frame.glyphs
     if not script.lines:
         return ()
-    key, skip = caps or NO_CAPS
+    key, skip = map(word, caps or NO_CAPS)
     count, here = len(script.lines), script.position
     right = f" {len(script.played)}/{count} "
     front: Row = ((f" {key} ", "key"), (" ", "plain"))
     room = frame.width - sum(cell_len(text) for text, _ in front) - len(right)
     if here >= count:
-        body: Row = (("Script has ended", "muted"),)
+        body: Row = ((say("scripts.ended", "Script has ended"), "muted"),)
     else:
         behind = [at for at in range(here + 1, count) if at not in script.played]
         body = ((f"{glyphs.here} {clean(state.label(script.next))}", "strong"),)
         if script.halted:
-            goes_on = f", {skip} goes on" if skip else ""
-            stands = f"{_HALTED.get(script.halted, script.halted)}: {key} plays it{goes_on}"
+            why = word(_HALTED.get(script.halted, script.halted))
+            stands = (
+                say(
+                    "scripts.stands_skip",
+                    "{why}: {key} plays it, {skip} goes on",
+                    why=why,
+                    key=key,
+                    skip=skip,
+                )
+                if skip
+                else say("scripts.stands", "{why}: {key} plays it", why=why, key=key)
+            )
             body += ((f" {glyphs.warning} {stands} ", "warn"),)
         for name in (script.lines[at] for at in behind[:AHEAD]):
             body += ((f"  {glyphs.next} {clean(state.label(name))}", "muted"),)
@@ -115,7 +134,10 @@ def _entry(state: ConsoleState, script: ShownScript, index: int, frame: PaintFra
 CONSOLE = FeatureConsole(
     commands=(
         FeatureCommand(
-            "script_next", sends=_play, found=False, hint=KeyHint(2, "script", _has_lines)
+            "script_next",
+            sends=_play,
+            found=False,
+            hint=KeyHint(2, Sentence("scripts.hint", "script"), _has_lines),
         ),
         FeatureCommand("script_back", sends=_back, once=False),
         FeatureCommand("script_on", sends=_on, once=False),
@@ -123,8 +145,8 @@ CONSOLE = FeatureConsole(
     ),
     order=ActionOrder(
         keys=("script_next", "script_on"),
-        heading="Script",
-        nothing="no script",
+        heading=Sentence("scripts.heading", "Script"),
+        nothing=Sentence("scripts.nothing", "no script"),
         any=has_script,
         next=_next,
         row=script_row,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from woz_tui.config.screen_language import say
 from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.drawing.cells import clean
 from woz_tui.console.screens.dialog import ConsoleApp, EntryDialog
@@ -9,6 +10,7 @@ from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.widgets.bottom_rows import KEPT
 from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.features.scripts.shown_script import shown_script
+from woz_tui.protocol.sentence import Sentence
 
 
 def open_edit(app: ConsoleApp) -> None:
@@ -16,9 +18,16 @@ def open_edit(app: ConsoleApp) -> None:
     name = shown_script(app.state).next
     said = next((call.args["text"] for call in app.state.calls(name) if call.verb == "say"), "")
     if not name:
-        app.news("The script has no next line")
+        app.news(say("scripts.no_next", "The script has no next line"))
     elif not said:
-        app.news(f"{app.state.label(name)} says nothing: there is nothing to edit")
+        label = app.state.label(name)
+        app.news(
+            say(
+                "scripts.says_nothing",
+                "{label} says nothing: there is nothing to edit",
+                label=label,
+            )
+        )
     elif HIDDEN_TEXT in (said, app.state.sentence(name)):
         app.news(KEPT)
     else:
@@ -31,12 +40,15 @@ class EditLineDialog(EntryDialog):
     What was typed is a draft of this line alone; the box closes when another line is the next.
     """
 
-    hint = "enter says it so, once; the file is not changed · ctrl+q closes"
+    hint = Sentence(
+        "scripts.edit_keys", "enter says it so, once; the file is not changed · ctrl+q closes"
+    )
     size_class = "wide"
 
     def __init__(self, state: ConsoleState, sentence: str) -> None:
         super().__init__()
-        self.heading = f"Edit: {clean(state.label(shown_script(state).next))}"
+        label = clean(state.label(shown_script(state).next))
+        self.heading = say("scripts.edit", "Edit: {label}", label=label)
         self._line = _place(state)
         self._sentence = sentence
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.screens.dialog import content, refusal_text
@@ -49,13 +50,31 @@ def proposal_of(data: object) -> ProposedOrder | None:
 def proposal_rows(proposal: ProposedOrder, glyphs: Glyphs) -> list[Row]:
     """The order with the present one marked, what comes next, and why."""
     told = ", ".join(part for part in (proposal.method, proposal.why) if part)
-    trial = f"trial {proposal.trial}" if proposal.trial is not None else "the first trial"
-    where = f" in {proposal.condition}" if proposal.condition else ""
     return [
-        (("Proposed  ", "muted"), *order_row(proposal.order, proposal.condition, glyphs.here)),
-        ((f"next: {trial}{where}", "strong"),),
+        (
+            (f"{say('study.proposed', 'Proposed')}  ", "muted"),
+            *order_row(proposal.order, proposal.condition, glyphs.here),
+        ),
+        ((_next_trial(proposal.trial, proposal.condition), "strong"),),
         ((told, "muted"),),
     ]
+
+
+def _next_trial(trial: int | None, condition: str) -> str:
+    if trial is None and not condition:
+        return say("study.next_first", "next: the first trial")
+    if trial is None:
+        return say(
+            "study.next_first_in", "next: the first trial in {condition}", condition=condition
+        )
+    if not condition:
+        return say("study.next_trial", "next: trial {trial}", trial=trial)
+    return say(
+        "study.next_trial_in",
+        "next: trial {trial} in {condition}",
+        trial=trial,
+        condition=condition,
+    )
 
 
 class OrderDialog(StartDialog):
@@ -73,7 +92,8 @@ class OrderDialog(StartDialog):
 
     def more_fields(self) -> Iterable[Widget]:
         """What is proposed, and the order, which can be edited."""
-        own = Static("Order (edit to override)", classes="caption", id="order-caption")
+        caption = say("study.order", "Order (edit to override)")
+        own = Static(caption, classes="caption", id="order-caption")
         for field in (Static("", id="proposal"), own, Input(id="order")):
             field.display = False
             yield field
@@ -140,8 +160,13 @@ class OrderDialog(StartDialog):
         known = self.state.plan.conditions
         unknown = [name for name in self._order() if name not in known]
         if unknown:
-            return f"There is no condition {unknown[0]!r}; there are: {', '.join(known)}"
-        return "" if self._order() else "An order needs conditions."
+            return say(
+                "study.unknown_condition",
+                "There is no condition {name!r}; there are: {known}",
+                name=unknown[0],
+                known=", ".join(known),
+            )
+        return "" if self._order() else say("study.empty_order", "An order needs conditions.")
 
     def ask(self, code: str, trial: int | None) -> None:
         """Ask for the order, unless it is the participant's already: then only another trial."""

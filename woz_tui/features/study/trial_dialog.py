@@ -11,6 +11,7 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, OptionList, Static
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.config.study_words import OVER
 from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
@@ -19,6 +20,7 @@ from woz_tui.console.widgets.feature_console import FeatureStep, between_trials,
 from woz_tui.feature import answer_of, answers_of
 from woz_tui.features.study.kinds import AskTrial
 from woz_tui.protocol.requests import Reply
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.text_cleaning import elapsed
 from woz_tui.timeline.episodes import TrialEpisode
 from woz_tui.timeline.study_history import StudyState
@@ -37,8 +39,8 @@ class TrialStep:
 class TrialDialog(Dialog):
     """What can be done now, the most likely first, so that enter does it."""
 
-    heading = "Trial"
-    hint = "press a letter, or Enter · ctrl+q closes"
+    heading = Sentence("study.trial", "Trial")
+    hint = Sentence("study.trial_hint", "press a letter, or Enter · ctrl+q closes")
 
     def __init__(self) -> None:
         super().__init__()
@@ -50,7 +52,7 @@ class TrialDialog(Dialog):
         self._steps = trial_steps(self.state)
         yield Static(content(self.lines()), id="stands")
         yield OptionList(*map(self._line, self._steps), id="choices")
-        field = Input(placeholder="reason (optional)", id="why")
+        field = Input(placeholder=say("study.reason", "reason (optional)"), id="why")
         field.display = False
         yield field
 
@@ -101,7 +103,14 @@ class TrialDialog(Dialog):
         if event.is_printable and event.character:
             event.stop()
             letters = " ".join(step.key for step in self._steps)
-            self.show_hint(f"{clean(event.character)} does nothing here; press {letters}")
+            self.show_hint(
+                say(
+                    "study.no_letter",
+                    "{letter} does nothing here; press {letters}",
+                    letter=clean(event.character),
+                    letters=letters,
+                )
+            )
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         event.stop()
@@ -119,7 +128,9 @@ class TrialDialog(Dialog):
             field.display = True
             field.border_title = step.text
             field.focus()
-        self.show_hint(f"{step.text}: enter does it · ctrl+q leaves it")
+        self.show_hint(
+            say("study.reason_hint", "{step}: enter does it · ctrl+q leaves it", step=step.text)
+        )
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         event.stop()
@@ -136,34 +147,80 @@ def trial_steps(console: ConsoleState) -> list[TrialStep]:
     state = console.session.study
     found = [*_of_features(console, "first")]
     if state.in_break is not None:
-        found.append(TrialStep("r", "resume: the break is over", _trial("resume")))
+        resume = say("study.resume", "resume: the break is over")
+        found.append(TrialStep("r", resume, _trial("resume")))
     if (of := state.trial) is not None:
+        done = say("study.done", "done: this trial is over")
+        aborted = say("study.aborted", "aborted: it will be run again")
+        excluded = say("study.excluded", "excluded: not to be analysed")
         found += [
-            TrialStep("d", "done: this trial is over", _trial("done", of)),
-            TrialStep("a", "aborted: it will be run again", _trial("aborted", of), asks=True),
-            TrialStep("x", "excluded: not to be analysed", _trial("excluded", of), asks=True),
+            TrialStep("d", done, _trial("done", of)),
+            TrialStep("a", aborted, _trial("aborted", of), asks=True),
+            TrialStep("x", excluded, _trial("excluded", of), asks=True),
         ]
     elif under_way(console) is None and not state.all_over:
-        again = " again" if state.again else ""
-        found.append(TrialStep("b", f"begin trial {state.next_trial}{again}", _trial("begin")))
+        begin = (
+            say("study.begin_again", "begin trial {trial} again", trial=state.next_trial)
+            if state.again
+            else say("study.begin", "begin trial {trial}", trial=state.next_trial)
+        )
+        found.append(TrialStep("b", begin, _trial("begin")))
     if state.in_break is None:
-        found.append(TrialStep("p", "pause: a break", _trial("break")))
+        found.append(TrialStep("p", say("study.pause", "pause: a break"), _trial("break")))
     return [*found, *_of_features(console, "last")]
 
 
 def trial_status(study: StudyState, now: int) -> str:
     """`trial 3 of 12, 02:41`."""
     planned, last = study.planned, study.last_ended
-    of = f" of {planned}" if planned else ""
     if study.in_break is not None:
-        return f"break, {elapsed(now - study.in_break.begin)}"
-    if study.trial is not None:
-        return f"trial {study.trial.label}{of}, {elapsed(now - study.trial.begin)}"
+        return say("study.in_break", "break, {time}", time=elapsed(now - study.in_break.begin))
+    if (running := study.trial) is not None:
+        time = elapsed(now - running.begin)
+        if not planned:
+            return say("study.in_trial", "trial {trial}, {time}", trial=running.label, time=time)
+        return say(
+            "study.in_trial_of",
+            "trial {trial} of {planned}, {time}",
+            trial=running.label,
+            planned=planned,
+            time=time,
+        )
     if study.all_over:
-        return f"all {planned} trials are over" if planned > 1 else "the trial is over"
+        return say(
+            "study.trials_over",
+            "all {count} trials are over",
+            one="the trial is over",
+            count=max(1, planned),
+        )
     if last is not None:
-        return f"trial {last.trial}{of} is over: {last.outcome}"
-    return f"no trial yet, {planned} planned" if planned else "no trial yet"
+        known = _OUTCOMES.get(last.outcome)
+        outcome = last.outcome if known is None else word(known)
+        if not planned:
+            return say(
+                "study.trial_over",
+                "trial {trial} is over: {outcome}",
+                trial=last.trial,
+                outcome=outcome,
+            )
+        return say(
+            "study.trial_over_of",
+            "trial {trial} of {planned} is over: {outcome}",
+            trial=last.trial,
+            planned=planned,
+            outcome=outcome,
+        )
+    if not planned:
+        return say("study.no_trial_yet", "no trial yet")
+    return say("study.planned", "no trial yet, {planned} planned", planned=planned)
+
+
+#: How a trial ended, in a word.
+_OUTCOMES = {
+    "done": Sentence("study.outcome_done", "done"),
+    "aborted": Sentence("study.outcome_aborted", "aborted"),
+    "excluded": Sentence("study.outcome_excluded", "excluded"),
+}
 
 
 def order_row(order: Iterable[str], present: str, here: str) -> Row:
@@ -206,7 +263,12 @@ def _trial(what: str, of: TrialEpisode | None = None) -> Callable[[ConsoleApp, s
     def do(app: ConsoleApp, why: str) -> None:
         running = app.state.session.study.trial
         if of is not None and (running is None or running.begin != of.begin):
-            app.news(f"Trial {of.label} is over already: nothing was done", "warn")
+            over_already = say(
+                "study.over_already",
+                "Trial {trial} is over already: nothing was done",
+                trial=of.label,
+            )
+            app.news(over_already, "warn")
             return
 
         def over(reply: Reply) -> None:

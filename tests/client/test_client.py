@@ -144,8 +144,9 @@ async def test_the_stop_raises_in_whoever_waits_and_is_confirmed_to_who_pressed(
         for stopped in (run, action):
             with pytest.raises(WozStoppedError):
                 await stopped
-        with pytest.raises(WozRefusedError, match="stop is pressed"):
+        with pytest.raises(WozRefusedError, match="stop is pressed") as refused:
             await woz.say("Hello")
+        assert refused.value.code == "gate.stopped", "a program does not go by the sentence"
         await other.release()
         await woz.say("Hello")
 

@@ -19,6 +19,7 @@ from woz_tui.client.woz_errors import (
     WozError,
     WozRefusedError,
     WozUnknownVerbError,
+    code_of,
     error_of,
     error_of_motion,
 )
@@ -433,7 +434,7 @@ class WozClient:
         ended = time.monotonic_ns() // 1000
         answer = codec.decode_incoming(line) if line else None
         if isinstance(answer, r.Reply):
-            raise WozRefusedError(answer.reason, answer.hint)
+            raise WozRefusedError(answer.reason, answer.hint, code_of(answer))
         if not isinstance(answer, r.Welcome):
             raise WozConnectionError("the session closed the connection")
         self.welcome, self.panels = answer, answer.panels
@@ -479,7 +480,7 @@ class WozClient:
                     self._write(r.AskCancel(asked=ref))
             raise
         if not reply.ok:
-            raise WozRefusedError(reply.reason, reply.hint)
+            raise WozRefusedError(reply.reason, reply.hint, code_of(reply))
         return reply, asked.run
 
     def check(self) -> None:

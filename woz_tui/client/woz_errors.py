@@ -5,19 +5,23 @@ from __future__ import annotations
 from typing import Self
 
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.requests import Reply
 
 
 class WozError(Exception):
-    """Something that was asked for did not happen. `hint`: what helps, if anybody knows."""
+    """Something that was asked for did not happen. `hint`: what helps, if anybody knows. `code`:
+    which sentence the reason is, such as `gate.panel_locked`; empty: a driver's own words.
+    """
 
-    def __init__(self, reason: str, hint: str = "") -> None:
+    def __init__(self, reason: str, hint: str = "", code: str = "") -> None:
         super().__init__(f"{reason} ({hint})" if hint else reason)
         self.reason = reason
         self.hint = hint
+        self.code = code
 
     def again(self) -> Self:
         """The same to be raised once more: an error keeps every place that has raised it."""
-        return type(self)(self.reason, self.hint)
+        return type(self)(self.reason, self.hint, self.code)
 
 
 class WozRefusedError(WozError):
@@ -44,19 +48,24 @@ class WozConnectionError(WozError, ConnectionError):
     """There is no session to connect to, or the connection to it is lost."""
 
 
+def code_of(line: m.ActionEnd | m.End | Reply) -> str:
+    """The code of its reason."""
+    return line.wording["reason"].code if "reason" in line.wording else ""
+
+
 def error_of(end: m.ActionEnd | m.End) -> WozError | None:
     """The error that an end stands for; None: it went well."""
-    hint = end.remedy if isinstance(end, m.End) else ""
+    hint, code = end.remedy if isinstance(end, m.End) else "", code_of(end)
     match end:
         case m.ActionDone() | m.Done():
             return None
         case m.ActionRefused() | m.Refused():
-            return WozRefusedError(end.reason, hint)
+            return WozRefusedError(end.reason, hint, code)
         case m.ActionStopped() | m.Stopped():
-            return WozStoppedError(end.reason or "stopped", hint)
+            return WozStoppedError(end.reason or "stopped", hint, code)
         case m.ActionSuperseded() | m.Superseded():
-            return WozSupersededError(end.reason or f"replaced by {end.by}", hint)
-    return WozFailedError(end.reason or "failed", hint)
+            return WozSupersededError(end.reason or f"replaced by {end.by}", hint, code)
+    return WozFailedError(end.reason or "failed", hint, code)
 
 
 def error_of_motion(end: m.MotionInterrupted) -> WozError:

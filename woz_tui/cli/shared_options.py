@@ -122,7 +122,7 @@ def _screen_language(code: str) -> str:
     from woz_tui.config.screen_language import shipped  # noqa: PLC0415 - few choose one
 
     known = shipped()
-    if code not in known:
+    if code and code not in known:  # argparse reads the default by this, too
         raise ArgumentTypeError(f"the screen does not speak {code!r}; there are {', '.join(known)}")
     return code
 

@@ -27,7 +27,7 @@ from woz_tui.features.questionnaires.kinds import (
     QuestionnaireEnded,
     QuestionnaireStarted,
 )
-from woz_tui.features.questionnaires.scales import GatheredScales
+from woz_tui.features.questionnaires.scales import GatheredScales, choice_table
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES
 from woz_tui.protocol import messages as m
 
@@ -233,10 +233,11 @@ def test_frictionless_accepts_the_tables_of_every_kind_of_item(
 
 def test_codes_of_choices_are_counted_and_have_no_mean(tmp_path: Path) -> None:
     """`yes` is 1 and `unsure` 3: a mean of 2 would be *no*."""
-    for number, code in enumerate((1, 3, 3), start=1):
+    for number, code in enumerate((1, 3, 3, None), start=1):
         who = f"P{number:02}"
+        said = {"skipped": True, "reason": "prefer_not", "value": None}
         told = [
-            (t, replace(each, value=float(code)))
+            (t, replace(each, **(said if code is None else {"value": float(code)})))
             if isinstance(each, QuestionnaireAnswered) and each.item == "known"
             else (t, start(who, f"S{number}") if isinstance(each, m.SessionStart) else each)
             for t, each in course()
@@ -259,3 +260,7 @@ def test_codes_of_choices_are_counted_and_have_no_mean(tmp_path: Path) -> None:
     assert [(each.label, each.chose) for each in which] == [
         ("a vacuum cleaner", 3), ("a toy", 0), ("other", 3),
     ]  # fmt: skip
+    table = choice_table([], [*gathered.without_choice(experiment)])
+    assert [list(row)[:4] for row in table.rows] == [
+        ["robot-ux", "known", "no answer: prefer not to say", "1"]
+    ], "who was not shown `which` did not leave it out"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import attrgetter
@@ -15,8 +16,14 @@ from woz_tui.analysis.participants import participants_of, who_took_part
 from woz_tui.analysis.report_table import LogText, ReportTable
 from woz_tui.analysis.report_tables import OVER, total_text
 from woz_tui.analysis.text_format import NONE
-from woz_tui.features.questionnaires.figures import AnswerRow, RoundRow, asked_in, scale_text
-from woz_tui.features.questionnaires.items import value_labels
+from woz_tui.features.questionnaires.figures import (
+    REASONS,
+    AnswerRow,
+    RoundRow,
+    asked_in,
+    scale_text,
+)
+from woz_tui.features.questionnaires.items import NOT_SHOWN, value_labels
 from woz_tui.features.questionnaires.score_totals import (
     ScoreTotal,
     ScoreTotals,
@@ -65,6 +72,8 @@ class _Choices:
     labels: Mapping[int, str]
     #: Condition -> participant -> codes.
     chosen: dict[str, dict[str, set[int]]] = field(default_factory=dict)
+    #: Condition -> why there was no choice -> how often.
+    missing: dict[str, Counter[str]] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
@@ -163,7 +172,7 @@ class GatheredScales(GatheredFigures):
             for item in asked.items
             if item.choices
         }
-        for answer in found.answers:
+        for answer in (*found.answers, *found.missing):
             if not (answer.counted or answer.participant in people):
                 continue
             if answer.kind in ("choice", "choices"):
@@ -193,11 +202,14 @@ class GatheredScales(GatheredFigures):
     ) -> None:
         """Codes have no order and no mean: they are counted."""
         codes = answer.values or (() if answer.value is None else (round(answer.value),))
-        if not codes:
+        if not codes and answer.reason in ("", NOT_SHOWN):
             return
         named = labels.get((answer.questionnaire, answer.item), {})
         key = (experiment, answer.questionnaire, answer.item, tuple(named.values()))
         choices = self._choices.setdefault(key, _Choices(answer.question, named))
+        if not codes:
+            choices.missing.setdefault(answer.condition, Counter())[answer.reason] += 1
+            return
         people = choices.chosen.setdefault(answer.condition, {})
         people.setdefault(who_took_part(answer.participant, figures.session), set()).update(codes)
 
@@ -215,6 +227,14 @@ class GatheredScales(GatheredFigures):
             for condition, people in sorted(each.chosen.items())
             for value in each.labels or sorted(set().union(*people.values()))
         ]
+
+    def without_choice(self, experiment: str) -> Iterator[tuple[tuple[str, ...], str, int]]:
+        """Question, questionnaire, item, and why no choice was made; the condition; how often."""
+        for (of, questionnaire, name, _), each in self._choices.items():
+            for condition, reasons in sorted(each.missing.items()) if of == experiment else ():
+                for reason, count in reasons.items():
+                    why = f"no answer: {REASONS.get(reason, reason)}"
+                    yield (each.question, questionnaire, name, why), condition, count
 
     def outcomes(self, experiment: str, first: Mapping[str, str]) -> list[Outcome]:
         there, scores = self._outcomes.get(experiment), self._scores.get(experiment)
@@ -245,7 +265,7 @@ class GatheredScales(GatheredFigures):
         conditions = any(total.condition for total in totals)
         yield from score_total_tables(self.scores(experiment), conditions)
         yield from item_tables(self.items(experiment), totals)
-        yield choice_table(self.choices(experiment))
+        yield choice_table(self.choices(experiment), [*self.without_choice(experiment)])
 
     def remarks(self, experiment: str) -> Iterator[str]:
         reworded = dict.fromkeys(
@@ -296,14 +316,21 @@ def _item_totals(title: str, items: Sequence[ItemTotal], without: str = "none") 
     return ReportTable(title, [*heads, "Question"], cells, words=3, on_terminal=len(heads))
 
 
-def choice_table(choices: Sequence[ChoiceTotal]) -> ReportTable:
-    """A row for each choice, a column for each condition, and for what was asked once."""
-    conditions = sorted({each.condition for each in choices})
+def choice_table(
+    choices: Sequence[ChoiceTotal], without: Sequence[tuple[tuple[str, ...], str, int]] = ()
+) -> ReportTable:
+    """A row for each choice, and behind all for each reason `without` one; a column for each
+    condition, and for what was asked once.
+    """
+    of_missing = {condition for _, condition, _ in without}
+    conditions = sorted({each.condition for each in choices} | of_missing)
     rows: dict[tuple[str, ...], dict[str, str]] = {}
     for each in choices:
         label = each.label or str(each.value)
         key = (each.question, each.questionnaire, each.item, label)
         rows.setdefault(key, {})[each.condition] = f"{each.chose} of {each.answered}"
+    for missing, condition, count in without:
+        rows.setdefault(missing, {})[condition] = str(count)
     heads = ["Questionnaire", "Item", "Choice", *(LogText(each or "all") for each in conditions)]
     cells = [
         [*map(LogText, key), *(row.get(each, NONE) for each in conditions), LogText(question)]

@@ -473,4 +473,7 @@ def test_what_people_said_is_there_by_choice_agreement_and_without_names(tmp_pat
     for name, data in everything(out).items():
         assert not re.search(rb"Anna|Keller|KELLER|Young", data), name
     bundled(recordings, out, about, transcripts=True, force=True)
+    bundled(recordings, out, about, transcripts=True, names=["Zoe"], force=True)
+    assert "| [NAME_2] | 4 |" in (out / "documentation" / "transcripts.md").read_text()
+    bundled(recordings, out, about, transcripts=True, force=True)
     assert "no list of names was given" in (out / "TODO.md").read_text()

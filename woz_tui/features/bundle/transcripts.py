@@ -82,14 +82,13 @@ def transcript(
 
 def as_markdown(names: KnownNames, count: int) -> str:
     """What was done to the texts, without a name."""
+    signs = [f"| {sign} | {times} |" for sign, times in sorted(names.taken.items())]
     lines = [
         "# Transcripts",
         "",
         f"{count} utterances, as a program understood them in the sessions. Names that the lab knew"
         " were replaced. That is no anonymisation: somebody may be known by what they say.",
         "",
-        "| sign | how often |",
-        "|---|---|",
-        *(f"| {sign} | {times} |" for sign, times in sorted(names.taken.items())),
+        *(["| sign | how often |", "|---|---|", *signs] if signs else ["No such name was said."]),
     ]
     return "\n".join(lines) + "\n"

@@ -20,6 +20,7 @@ from woz_tui.config.study import PerceptionLimits, Study
 from woz_tui.features.choices.kinds import ChoiceGone, ChoiceMade, ChoiceOffered
 from woz_tui.features.choices.section import CHOICES, Choice, Option
 from woz_tui.features.slots.notes import HeardWords
+from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.session_state import SessionState
 
@@ -171,6 +172,22 @@ async def test_a_choice_that_depends_on_the_condition_is_nothing_for_the_blind(
         assert "option" not in seen or not seen["option"]
         assert not [line for line in stage.wizard.seen if line["kind"] == "choice.offered"]
         assert "condition" in stage.host.of(ChoiceOffered)[0].tells
+
+
+async def test_each_of_two_choices_at_once_tells_what_its_own_command_does(tmp_path: Path) -> None:
+    variants = TextVariants({"warm": ("colour",), "cold": ("shade",)})
+    offer = action("Offer", together(replace(OFFER.calls[0], args={}, choices={"name": variants})))
+    shade = Choice("shade", (Option("Grey"),))
+    made = offering(study_experiment(tmp_path, design=PLANNED), shade, offer=offer)
+    async with on_stage(made) as stage:
+        await stage.wizard.ask("assign", participant="P01", order=["A", "B"])
+        await stage.wizard.ask("trial", what="begin")
+        origin = RequestOrigin("key", "o", "con1")
+        stage.host.session.play("Offer", origin)
+        stage.host.session.send("choice", {"name": "colour"}, "choices", origin)
+        for _ in range(2):
+            await stage.page.kind("choice.offered")
+        assert ["condition" in line.tells for line in stage.host.of(ChoiceOffered)] == [True, False]
 
 
 async def test_who_watches_reads_what_is_offered_and_chosen(tmp_path: Path) -> None:

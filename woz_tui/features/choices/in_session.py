@@ -43,8 +43,6 @@ class ChoicesInSession(PerformingFeature):
         super().__init__(session)
         #: The choice that is offered, as the file had it then.
         self._choice: Choice | None = None
-        #: What the words of the last command tell.
-        self._tells: tuple[str, ...] = ()
 
     def idle(self) -> bool:
         return not CHOICES.of(self.session.experiment) and self._offered is None
@@ -67,13 +65,14 @@ class ChoicesInSession(PerformingFeature):
             )
         self._end("replaced")
         self._choice = choice
+        tells = self.session.state.commands[job.command].request.tells
         self.session.hub.publish(
             ChoiceOffered(
                 choice=choice.name,
                 question=choice.question,
                 options=[option.text for option in choice.options],
                 pictures=[Path(option.picture).name for option in choice.options],
-                tells=self._tells,
+                tells=tells,
             )
         )
         if not any(each.role == PARTICIPANT for each in self.session.state.consoles.values()):
@@ -82,18 +81,13 @@ class ChoicesInSession(PerformingFeature):
                 level="warning",
                 text=text,
                 remedy=Sentence("choices.woz_page", "woz page"),
-                tells=self._tells,
+                tells=tells,
             )
             self.session.hub.publish(notice)
         return {"name": name}
 
     async def stop(self, scope: Scope) -> None:
         """A page moves nothing."""
-
-    def _command(self, message: m.Command) -> None:
-        """It comes before it is performed."""
-        if message.verb == CHOICES.verbs[0].name:
-            self._tells = message.tells
 
     # -- choosing ------------------------------------------------------------------------------
 
@@ -165,7 +159,6 @@ class ChoicesInSession(PerformingFeature):
         self._end("end")
 
     hears: ClassVar = {
-        m.Command: _command,
         m.TrialEnded: _trial_ended,
         m.SessionChanged: _changed,
     }

@@ -89,6 +89,36 @@ async def test_the_text_comes_to_the_session_and_the_log_knows_of_which_sentence
         assert not (tmp_path / "dictated.wav").exists(), "no sound is kept"
 
 
+@pytest.mark.parametrize(
+    ("typed", "said"),
+    [
+        ("How are you today?", [4]),
+        ("What a nice hat! How are you today?", [3, 4]),
+        ("What a nice hat!", [3]),
+        ("Something else altogether, which nobody dictated", []),
+    ],
+)
+async def test_what_the_wizard_took_out_of_the_field_was_not_said(
+    tmp_path: Path, typed: str, said: list[int]
+) -> None:
+    async with (
+        served_session(tmp_path) as host,
+        connect(host.path, name="dictate", sees="wizard") as client,
+    ):
+        wizard = await host.connect()
+        await wizard.hello("wizard")
+        for text in (
+            "Good morning everybody",
+            "Hm, no, not that",
+            "What a nice hat",
+            "How are you",
+        ):
+            await client.request(AskDictated(text=text))
+        ask = {"verb": "say", "args": {"text": typed}, "source": "key"}
+        assert (await wizard.ask("verb", **ask))["ok"]
+        assert [row.dictations for row in host.of(DictationSaid)] == ([said] if said else [])
+
+
 @pytest.mark.real_clock
 async def test_a_recogniser_that_fails_is_told_and_the_next_piece_comes(tmp_path: Path) -> None:
     told: list[str] = []

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from difflib import SequenceMatcher
 from typing import Any, ClassVar
 
 from woz_tui.features.dictation.kinds import AskDictated, Dictated, DictationSaid
 from woz_tui.features.proposals.clean_text import cleaned
+from woz_tui.features.proposals.marks import words
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.sentence import Sentence
@@ -17,6 +18,13 @@ from woz_tui.session.session_features import Client, FeatureSession, SessionFeat
 LONGEST = 2000
 #: A typed sentence is taken for a dictated one if it is so like it, 0 to 1, by its characters.
 LIKE = 0.5
+#: Texts so many times as long as a sentence are not that like it.
+_MOST = 2 / LIKE - 1
+#: Pairs of characters that may be compared: nothing else happens meanwhile. Longer texts are
+#: compared by their words.
+_AT_ONCE = 2_000_000
+#: Texts that may still be said: what came before them the wizard has left out.
+WAITING = 6
 
 
 class DictationInSession(SessionFeature):
@@ -50,6 +58,7 @@ class DictationInSession(SessionFeature):
                 )
             )
         )
+        del self._waiting[:-WAITING]
         return ""
 
     def _sent(self, message: m.Command) -> None:
@@ -57,22 +66,39 @@ class DictationInSession(SessionFeature):
         text = message.args.get("text")
         if message.verb != "say" or message.source != "key" or message.run or not self._waiting:
             return
-        if not isinstance(text, str):
+        if not isinstance(text, str) or len(text) > LONGEST:
             return
-        whole = " ".join(each.text for each in self._waiting)
-        likeness = SequenceMatcher(None, whole, text, autojunk=False).ratio()
-        if likeness < LIKE:
+        found = _likest(self._waiting, text)
+        if found is None:
             return
-        last = self._waiting[-1]
+        likeness, said = found
         self.session.hub.publish(
             DictationSaid(
                 command=message.command,
-                dictations=[each.dictation for each in self._waiting],
+                dictations=[each.dictation for each in said],
                 distance=round(1 - likeness, 3),
-                after_us=message.t - last.t,
-                tells=last.tells,
+                after_us=message.t - said[-1].t,
+                tells=said[-1].tells,
             )
         )
-        self._waiting.clear()
+        del self._waiting[: self._waiting.index(said[-1]) + 1]
 
     hears: ClassVar[Mapping[type[m.Message], Callable[[Any, Any], object]]] = {m.Command: _sent}
+
+
+def _likest(waiting: Sequence[Dictated], text: str) -> tuple[float, Sequence[Dictated]] | None:
+    """Which of the dictated texts a typed sentence was, one behind the other, and how like it they
+    are; None: it is another sentence. The wizard may have taken others out of the field.
+    """
+    best, found, joined = 0.0, waiting[-1:], waiting[-1].text
+    for first in range(len(waiting)):
+        for end in range(first + 1, len(waiting) + 1):
+            whole = " ".join(each.text for each in waiting[first:end])
+            if len(whole) > _MOST * len(text):
+                break  # it cannot be like enough, and would take long
+            ratio = SequenceMatcher(None, words(whole), words(text), autojunk=False).ratio()
+            if ratio >= best:
+                best, found, joined = ratio, waiting[first:end], whole
+    if len(joined) * len(text) <= _AT_ONCE:
+        best = SequenceMatcher(None, joined, text, autojunk=False).ratio()
+    return (best, found) if best >= LIKE else None

@@ -31,9 +31,9 @@ class LastSentences:
 
     def likeness(self, text: str) -> float:
         """How like the likest of them it is, 0 to 1, by its words."""
-        words = _words(text)
+        proposed = words(text)
         likest = (
-            SequenceMatcher(None, _words(said), words, autojunk=False).ratio()
+            SequenceMatcher(None, words(said), proposed, autojunk=False).ratio()
             for said in self._said
         )
         return round(max(likest, default=0.0), 2)
@@ -51,6 +51,7 @@ class LastSentences:
         return found
 
 
-def _words(text: str) -> Sequence[str]:
+def words(text: str) -> Sequence[str]:
+    """Without what stands between them."""
     plain = "".join(sign if sign.isalnum() else " " for sign in text.casefold())
     return plain.split()

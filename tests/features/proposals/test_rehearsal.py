@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 
 from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, in_time
 from tests.host.rig import served_session
-from tests.session.rig import experiment
+from tests.session.rig import SessionRig, experiment
 from woz_tui.features.proposals.kinds import (
     ProposedItem,
     SuggestGone,
@@ -109,3 +110,21 @@ def test_the_report_says_how_many_planted_ones_were_taken() -> None:
     assert rows["right"] == ["1", "1", "1", "0", "1 (100.0 %)"]
     assert rows["wrong"] == ["2", "2", "1", "1", "1 (50.0 %)"]
     assert rows["none"][0] == "1"
+
+
+def test_no_list_comes_where_the_file_wants_none_any_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_tui.features.proposals.rehearsal.SHARE", 1.0)
+    plain = experiment(tmp_path)
+    section = Proposals(SuggestKeysOfFile(logs=True, after=2.0, wrong=1.0))
+    made = replace(plain, sections={**plain.sections, PROPOSALS: section})
+
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.hub.publish(given(1, "Hello"))
+        rig.session.adopt(plain, [])
+        await asyncio.sleep(5)
+
+    rig = SessionRig(tmp_path, made=made).run(scenario)
+    assert len(rig.of(SuggestRehearsed)) == 1
+    assert [each.cue for each in rig.of(SuggestOffered) if each.cue] == []

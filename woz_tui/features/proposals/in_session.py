@@ -139,6 +139,8 @@ class ProposalsInSession(SessionFeature):
             self._likely.begin(self._section.suggest)
 
     def adopt(self, experiment: Experiment) -> None:
+        if self._rehearsed is not None:
+            self._rehearsed.cancel()
         self._end_all("reloaded")
         self._section, before = PROPOSALS.of(experiment), self._section
         if self._section != before:

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Protocol
 
+from woz_tui.config.screen_language import word
 from woz_tui.protocol.envelope import Answer
 from woz_tui.protocol.messages import Message
 from woz_tui.protocol.requests import Request
+from woz_tui.protocol.sentence import Sentence
 
 #: The reason of a reply that cannot come any more, as nobody knows whether its request arrived.
-GONE = "the connection to the robot process was lost"
+GONE = Sentence("link.gone", "the connection to the robot process was lost")
 
 #: One decoded line from the host; a kind this version does not know comes as a plain dict.
 Incoming = Message | Answer | dict[str, Any]
@@ -27,29 +29,48 @@ class LostPart(Enum):
     """
 
     PROCESS = (
-        "the robot process is gone",
-        "ROBOT PROCESS LOST",
-        "Robot process is back",
-        "Nobody controls the robot now; what is still moving ends by its own safeguards.",
+        Sentence("link.process_gone", "the robot process is gone"),
+        Sentence("link.process_lost", "ROBOT PROCESS LOST"),
+        Sentence("link.process_back", "Robot process is back"),
+        Sentence(
+            "link.nobody_controls",
+            "Nobody controls the robot now; what is still moving ends by its own safeguards.",
+        ),
     )
     ANSWER = (
-        "the robot process does not answer",
-        "NO ANSWER",
-        "Robot process answers again",
-        "What runs may go on. What was pressed is not played late.",
+        Sentence("link.silent", "the robot process does not answer"),
+        Sentence("link.no_answer", "NO ANSWER"),
+        Sentence("link.answers_again", "Robot process answers again"),
+        Sentence("link.may_go_on", "What runs may go on. What was pressed is not played late."),
     )
     LINE = (
-        "the line to the robot is lost",
-        "LINE LOST",
-        "The line is back",
-        "Driving stops there by the dead man's switch, the rest goes on to its end.",
+        Sentence("link.line_is_lost", "the line to the robot is lost"),
+        Sentence("link.line_lost", "LINE LOST"),
+        Sentence("link.line_back", "The line is back"),
+        Sentence(
+            "link.driving_stops",
+            "Driving stops there by the dead man's switch, the rest goes on to its end.",
+        ),
     )
 
-    def __init__(self, sentence: str, sign: str, back: str, robot: str) -> None:
-        self.sentence = sentence
-        self.sign = sign
-        self.back = back
-        self.robot = robot
+    def __init__(self, *told: Sentence) -> None:
+        self._told = told
+
+    @property
+    def sentence(self) -> str:
+        return word(self._told[0])
+
+    @property
+    def sign(self) -> str:
+        return word(self._told[1])
+
+    @property
+    def back(self) -> str:
+        return word(self._told[2])
+
+    @property
+    def robot(self) -> str:
+        return word(self._told[3])
 
     @property
     def title(self) -> str:

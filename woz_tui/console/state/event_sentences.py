@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import Any, Protocol
 
 from woz_tui.config.performers import ENGAGEMENT
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.number_text import millis
 from woz_tui.console.state.command_text import command_words
 from woz_tui.console.state.engagement import texts
@@ -17,36 +18,41 @@ from woz_tui.console.state.engagement_text import (
     state_sentence,
 )
 from woz_tui.console.state.running_actions import RunOutcome, shown_end
-from woz_tui.console.state.stop_confirmation import missing_words
+from woz_tui.console.state.stop_confirmation import missing_names, stop_source
 from woz_tui.console.state.study import StudyView
-from woz_tui.console.state.view_models import DriverView
+from woz_tui.console.state.view_models import SENSOR_STATES, DriverView
 from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView
 from woz_tui.protocol.requesters import WATCHER
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.timeline.session_state import SessionState
 
 #: Who or what pressed, where it was not a key.
 _SOURCES = {
-    "script": "script",
-    "palette": "found",
-    "midi": "panel",
-    "gamepad": "gamepad",
-    "stream-deck": "deck",
-    "spacemouse": "6-D mouse",
-    "wii-remote": "Wii Remote",
-    "imu": "hand",
-    "program": "program",
-    "phase": "phase",
-    "engagement": "robot",
-    "replay": "replay",
+    "script": Sentence("events.by_script", "script"),
+    "palette": Sentence("events.by_finder", "found"),
+    "midi": Sentence("events.by_panel", "panel"),
+    "gamepad": Sentence("events.by_gamepad", "gamepad"),
+    "stream-deck": Sentence("events.by_deck", "deck"),
+    "spacemouse": Sentence("events.by_spacemouse", "6-D mouse"),
+    "wii-remote": Sentence("events.by_remote", "Wii Remote"),
+    "imu": Sentence("events.by_hand_device", "hand"),
+    "program": Sentence("events.by_program", "program"),
+    "phase": Sentence("events.by_phase", "phase"),
+    "engagement": Sentence("events.by_robot", "robot"),
+    "replay": Sentence("events.by_replay", "replay"),
 }
 
 
 #: How a trial ended -> its mark.
 _OUTCOMES = {"done": "done", "aborted": "stopped", "excluded": "warning"}
-#: What happened to a visitor in the store.
-_VISITOR = {"met": "is back", "learnt": "is new", "profile": "is described"}
+#: How a trial ended, in a word.
+TRIAL_OUTCOMES: Mapping[str, Sentence] = {
+    "done": Sentence("events.done", "done"),
+    "aborted": Sentence("events.aborted", "aborted"),
+    "excluded": Sentence("events.excluded", "excluded"),
+}
 
 #: What comes back so soon behind its driver comes back with it, in microseconds.
 _BACK_US = 3_000_000
@@ -172,35 +178,48 @@ class EventLine:
             self.detail = ": ".join(filter(None, (self.asker, outcome.reason)))
 
 
-#: Messages whose line needs nothing but their fields: mark, text, detail. `whose`: their driver as
-#: the screen calls it; `who`: the other console that asked.
-_TEMPLATES: Mapping[type[m.Message], tuple[str, str, str]] = {
-    m.SessionEnd: ("info", "Session ended", "{0.reason}"),
-    m.DriverConnecting: ("driver", "{whose} connecting", "{0.detail}"),
-    m.DriverConnected: ("done", "{whose} connected", "{0.detail}"),
-    m.DriverLost: ("error", "{whose} lost", "{0.detail}"),
-    m.DriverFaulted: ("error", "{whose} faulted", "{0.detail}"),
-    m.LaneFaulted: ("error", "{whose}: {0.lane} hangs", "until its job ends"),
-    m.LaneRecovered: ("done", "{whose}: {0.lane} works again", ""),
-    m.ModeChanged: ("info", "{whose} mode {0.now}", "{0.why}"),
-    m.RecordWaived: ("warning", "Going on without a record", "{who}"),
-    m.Note: ("note", "{0.text}", "{who}"),
-}
+def _simple_line(message: m.Message, whose: str, who: str) -> EventLine | None:
+    """Of a message whose line needs nothing but its fields. `whose`: its driver as the screen calls
+    it; `who`: the other console that asked.
+    """
+    match message:
+        case m.SessionEnd():
+            return EventLine("info", say("events.ended", "Session ended"), message.reason)
+        case m.DriverConnecting():
+            text = say("events.connecting", "{driver} connecting", driver=whose)
+            return EventLine("driver", text, message.detail)
+        case m.DriverConnected():
+            text = say("events.connected", "{driver} connected", driver=whose)
+            return EventLine("done", text, message.detail)
+        case m.DriverLost():
+            text = say("events.lost", "{driver} lost", driver=whose)
+            return EventLine("error", text, message.detail)
+        case m.DriverFaulted():
+            text = say("events.faulted", "{driver} faulted", driver=whose)
+            return EventLine("error", text, message.detail)
+        case m.LaneFaulted(lane=lane):
+            text = say("events.hangs", "{driver}: {lane} hangs", driver=whose, lane=lane)
+            return EventLine("error", text, say("events.until_job_ends", "until its job ends"))
+        case m.LaneRecovered(lane=lane):
+            text = say("events.works", "{driver}: {lane} works again", driver=whose, lane=lane)
+            return EventLine("done", text)
+        case m.ModeChanged(now=now):
+            text = say("events.mode", "{driver} mode {now}", driver=whose, now=now)
+            return EventLine("info", text, message.why)
+        case m.RecordWaived():
+            text = say("events.without_record", "Going on without a record")
+            return EventLine("warning", text, who)
+        case m.Note():
+            return EventLine("note", message.text, who)
+    return None
 
 
 def event_line(message: m.Message, shown: EventContext) -> EventLine | None:
     """The line for `message`, or None if it is not worth one."""
-    if (template := _TEMPLATES.get(type(message))) is not None:
-        mark, text, detail = template
-        driver = str(getattr(message, "driver", ""))
-        names = {
-            "whose": shown.short_names.get(driver, driver),
-            "who": other_console(str(getattr(message, "console", "")), shown),
-        }
-        event: EventLine | None = EventLine(
-            mark, text.format(message, **names), detail.format(message, **names)
-        )
-    else:
+    driver = str(getattr(message, "driver", ""))
+    who = other_console(str(getattr(message, "console", "")), shown)
+    event = _simple_line(message, shown.short_names.get(driver, driver), who)
+    if event is None:
         event = _sentences().get(type(message), _of_study)(message, shown)
     if event is not None:
         event.t = message.t
@@ -215,9 +234,11 @@ def event_line(message: m.Message, shown: EventContext) -> EventLine | None:
 def _requested(message: m.ActionRequested, shown: EventContext) -> EventLine | None:
     if _is_effect(message.action, shown):
         return None  # the state's own line tells of it
-    without = f"without {', '.join(message.without)}" if message.without else ""
+    without = ""
+    if message.without:
+        without = say("events.without", "without {what}", what=", ".join(message.without))
     asker = other_console(message.console, shown)
-    source = asker or _SOURCES.get(message.source, "")
+    source = asker or word(_SOURCES.get(message.source, ""))
     action = shown.action(message.action)
     return EventLine(
         "running",
@@ -239,7 +260,7 @@ def other_console(console: str, shown: EventContext) -> str:
     attached = shown.session.consoles.get(console)
     if attached is None or attached.role != "program":
         return ""
-    return f"program {attached.name or console}"
+    return say("events.program", "program {name}", name=attached.name or console)
 
 
 def _is_effect(action: str, shown: EventContext) -> bool:
@@ -270,9 +291,13 @@ def _action_end(message: m.ActionEnd, shown: EventContext) -> EventLine | None:
 
 
 def _session(message: m.SessionChanged, shown: EventContext) -> EventLine | None:
-    fields = ("participant", "condition", "trial")
-    values = ((name, getattr(message, name)) for name in fields)
-    parts = [f"{name} {value}" for name, value in values if value is not None]
+    parts: list[str] = []
+    if (code := message.participant) is not None:
+        parts.append(say("events.participant", "participant {code}", code=code))
+    if (condition := message.condition) is not None:
+        parts.append(say("events.condition", "condition {condition}", condition=condition))
+    if (trial := message.trial) is not None:
+        parts.append(say("events.trial", "trial {trial}", trial=trial))
     return (
         EventLine("info", ", ".join(parts), other_console(message.console, shown))
         if parts
@@ -283,8 +308,13 @@ def _session(message: m.SessionChanged, shown: EventContext) -> EventLine | None
 def _withdrawn(message: m.ParticipantWithdrawn, shown: EventContext) -> EventLine | None:
     if not message.removed:  # samples alone, between lines that stayed
         return None
-    lines = f"{message.removed} line{'s' * (message.removed > 1)}"
-    return EventLine("info", f"{lines} of somebody who withdrew taken out", message.day)
+    text = say(
+        "events.withdrawn",
+        "{count} lines of somebody who withdrew taken out",
+        one="1 line of somebody who withdrew taken out",
+        count=message.removed,
+    )
+    return EventLine("info", text, message.day)
 
 
 def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None:
@@ -292,11 +322,15 @@ def _recorder(message: m.RecorderState, shown: EventContext) -> EventLine | None
         return None
     mark = "warning" if message.level == "warn" else "error"
     if message.level == "failed":
-        what = "Log is not written" if message.waived else "Log is not written: actions are refused"
+        what = say("events.log_refuses", "Log is not written: actions are refused")
+        if message.waived:
+            what = say("events.log_unwritten", "Log is not written")
         return EventLine(mark, what, message.detail)
     if message.detail:
-        return EventLine(mark, f"Log: {message.detail}", message.remedy)
-    return EventLine(mark, "Log falls behind", f"{message.lag_us / 1000:.0f} ms")
+        text = say("events.log_says", "Log: {detail}", detail=message.detail)
+        return EventLine(mark, text, message.remedy)
+    text = say("events.log_behind", "Log falls behind")
+    return EventLine(mark, text, f"{message.lag_us / 1000:.0f} ms")
 
 
 def _notice(message: m.Notice, shown: EventContext) -> EventLine:
@@ -306,31 +340,38 @@ def _notice(message: m.Notice, shown: EventContext) -> EventLine:
 
 def _stop(message: m.StopPressed, shown: EventContext) -> EventLine:
     if message.scope != "all":
-        return EventLine("stop", "Driving stopped", message.source)
-    return EventLine(
-        "stop", "STOP", f"by {other_console(message.console, shown) or message.source}"
-    )
+        text = say("events.driving_stopped", "Driving stopped")
+        return EventLine("stop", text, stop_source(message.source))
+    who = other_console(message.console, shown) or stop_source(message.source)
+    return EventLine("stop", say("events.stop", "STOP"), say("events.by", "by {who}", who=who))
 
 
 def _released(message: m.StopReleased, shown: EventContext) -> EventLine:
-    who = other_console(message.console, shown) or message.source
-    return EventLine("info", "Stop released", f"by {who}")
+    who = other_console(message.console, shown) or stop_source(message.source)
+    by = say("events.by", "by {who}", who=who)
+    return EventLine("info", say("events.released", "Stop released"), by)
 
 
 def _confirmed(message: m.StopConfirmed, shown: EventContext) -> EventLine:
     if message.missing:
         stop = shown.session.stop
         parts = stop.parts_missing if stop is not None else {}
-        words = missing_words(message.missing, message.unreached, parts, shown.short_names)
-        missing = "; ".join(words)
-        what, _, names = missing.partition(": ")
-        return EventLine("error", what.capitalize(), names)
+        names = shown.short_names
+        away, silent = missing_names(message.missing, message.unreached, parts, names)
+        if not away:
+            return EventLine("error", say("events.not_confirmed", "Not confirmed"), silent)
+        if silent:
+            silent = say("stop.not_confirmed", "not confirmed: {names}", names=silent)
+        detail = "; ".join(filter(None, (away, silent)))
+        return EventLine("error", say("events.not_reached", "Not reached"), detail)
     if message.late:
-        return EventLine(
-            "warning", "Stop confirmed late", f"after {message.elapsed_us / 1e6:.1f} s"
-        )
-    what = "Driving stop confirmed" if message.scope == "drive" else "Stop confirmed"
-    return EventLine("stop", what, f"in {message.elapsed_us / 1000:.0f} ms")
+        after = say("events.after", "after {seconds:.1f} s", seconds=message.elapsed_us / 1e6)
+        return EventLine("warning", say("events.confirmed_late", "Stop confirmed late"), after)
+    what = say("events.confirmed", "Stop confirmed")
+    if message.scope == "drive":
+        what = say("events.drive_confirmed", "Driving stop confirmed")
+    within = say("events.within", "in {ms:.0f} ms", ms=message.elapsed_us / 1000)
+    return EventLine("stop", what, within)
 
 
 def _sensor(message: m.SensorChanged, shown: EventContext) -> EventLine | None:
@@ -339,7 +380,8 @@ def _sensor(message: m.SensorChanged, shown: EventContext) -> EventLine | None:
     if _with_its_driver(message, shown):
         return None
     mark = "warning" if message.state == "stale" else "done"
-    text = f"{message.sensor} {message.state}"
+    how = word(SENSOR_STATES.get(message.state, message.state))
+    text = say("events.sensor", "{sensor} {how}", sensor=message.sensor, how=how)
     return EventLine(mark, text, message.why, sensor=message.sensor)
 
 
@@ -378,8 +420,10 @@ def explained(event: EventLine, message: m.DriverHealth, shown: EventContext) ->
 def _engagement(message: m.EngagementChanged, shown: EventContext) -> EventLine:
     told = state_sentence(message.now, message.visitor, watches=shown.role == WATCHER)
     if message.forced:
-        by = "" if forced_by_another(message) else "by hand: "
-        return EventLine("forced", told, f"{by}{change_reason(message)}", model=True)
+        why = change_reason(message)
+        if not forced_by_another(message):
+            why = say("events.by_hand_why", "by hand: {why}", why=why)
+        return EventLine("forced", told, why, model=True)
     return EventLine("info", told, message.why, model=True)
 
 
@@ -387,7 +431,7 @@ def _speech(message: m.SpeechEnded, shown: EventContext) -> EventLine | None:
     """Only that nothing was kept of it; what it says comes later."""
     if not message.detail or message.file:
         return None
-    return EventLine("warning", "Speech not saved", message.detail)
+    return EventLine("warning", say("events.speech_unsaved", "Speech not saved"), message.detail)
 
 
 def _transcript_line(message: m.SpeechText, shown: EventContext) -> EventLine | None:
@@ -395,92 +439,145 @@ def _transcript_line(message: m.SpeechText, shown: EventContext) -> EventLine | 
         return None
     if message.text.strip():
         late = message.took_us / 1_000_000
-        heard = f"heard {late:.1f} s later" if late >= _LATE_S else "heard"
-        whose = ", into the robot's sentence" if message.overlap else ""
-        return EventLine("heard", f"“{message.text}”", f"{heard}{whose}")
+        heard = say("events.heard", "heard")
+        if late >= _LATE_S:
+            heard = say("events.heard_late", "heard {late:.1f} s later", late=late)
+        into = say("events.overlap", "into the robot's sentence") if message.overlap else ""
+        return EventLine("heard", f"“{message.text}”", ", ".join(filter(None, (heard, into))))
     mark = "warning" if message.detail else "info"
-    return EventLine(mark, "Speech not understood", message.detail)
+    return EventLine(mark, say("events.not_understood", "Speech not understood"), message.detail)
 
 
 def _visitor(message: m.VisitorChanged, shown: EventContext) -> EventLine:
     about = ", ".join(value for value in texts(message.about).values() if value)
     if message.what == "renamed" and message.was:
-        return EventLine("info", f"Visitor {message.was} is {message.visitor} now", about)
-    what = _VISITOR.get(message.what, message.what)
-    return EventLine("info", f"Visitor {message.visitor} {what}".rstrip(), about)
+        told = say(
+            "events.visitor_renamed",
+            "Visitor {was} is {visitor} now",
+            was=message.was,
+            visitor=message.visitor,
+        )
+        return EventLine("info", told, about)
+    return EventLine("info", _visitor_told(message.what, message.visitor), about)
+
+
+def _visitor_told(what: str, visitor: str) -> str:
+    """What happened to a visitor in the store."""
+    match what:
+        case "met":
+            return say("events.visitor_back", "Visitor {visitor} is back", visitor=visitor)
+        case "learnt":
+            return say("events.visitor_new", "Visitor {visitor} is new", visitor=visitor)
+        case "profile":
+            return say("events.visitor_told", "Visitor {visitor} is described", visitor=visitor)
+    told = say("events.visitor", "Visitor {visitor} {what}", visitor=visitor, what=what)
+    return told.rstrip()
 
 
 def _addressed(message: m.AddressedChanged, shown: EventContext) -> EventLine:
     if message.face is None:
-        return EventLine("info", "Nobody is addressed")
-    by = "by hand" if message.chosen == "hand" else ""
-    return EventLine("info", f"Face {message.face} is addressed", by)
+        return EventLine("info", say("events.nobody_addressed", "Nobody is addressed"))
+    by = say("events.by_hand", "by hand") if message.chosen == "hand" else ""
+    told = say("events.addressed", "Face {face} is addressed", face=message.face)
+    return EventLine("info", told, by)
 
 
 def _marker(message: m.Marker, shown: EventContext) -> EventLine:
     _, coder, name = message.source.partition("coder ")
     detail = ", ".join(filter(None, (message.text, other_console(message.console, shown))))
-    return EventLine("marker", f"Code of {name}" if coder else "Marker", detail)
+    what = say("events.marker", "Marker")
+    if coder:
+        what = say("events.code_of", "Code of {name}", name=name)
+    return EventLine("marker", what, detail)
 
 
 def _mistake(message: m.Mistake, shown: EventContext) -> EventLine:
     marked = shown.event_of(message.run)
     if marked is None:
         what = shown.label(message.action) if message.action else message.run
-        return EventLine("note", f"Mistake: {what}", message.text)
-    return EventLine("note", f"Mistake: {marked.text}", message.text, utterance=marked.utterance)
+        return EventLine("note", say("events.mistake", "Mistake: {what}", what=what), message.text)
+    told = say("events.mistake", "Mistake: {what}", what=marked.text)
+    return EventLine("note", told, message.text, utterance=marked.utterance)
 
 
 def _lock(message: m.PanelLocked, shown: EventContext) -> EventLine | None:
     if message.source == "phase":
         return None  # the phase has a line
-    what = f"{message.panel} {'locked' if message.locked else 'unlocked'}"
+    what = say("events.unlocked", "{panel} unlocked", panel=message.panel)
+    if message.locked:
+        what = say("events.locked", "{panel} locked", panel=message.panel)
     return EventLine("info", what, other_console(message.console, shown))
 
 
 def _reloaded(message: m.ExperimentReloaded, shown: EventContext) -> EventLine:
-    return EventLine("info", "File reloaded", "; ".join(message.changes) or "no changes")
+    changes = "; ".join(message.changes) or say("events.no_changes", "no changes")
+    return EventLine("info", say("events.reloaded", "File reloaded"), changes)
 
 
 def _study_line(message: m.Message) -> EventLine | None:
     match message:
         case m.ConditionsAssigned():
-            how = "chosen by hand" if message.method == "hand" else message.method
+            how = message.method
+            if how == "hand":
+                how = say("events.chosen_by_hand", "chosen by hand")
             order = f"{message.participant}: {', '.join(message.order)}"
             return EventLine("info", order, ", ".join(filter(None, (how, message.why))))
         case m.TrialStarted():
-            of = f" of {message.planned}" if message.planned else ""
-            return EventLine("info", f"Trial {message.trial}{of} begins", message.condition)
+            trial, planned = message.trial, message.planned
+            text = say("events.trial_begins", "Trial {trial} begins", trial=trial)
+            if planned:
+                text = say(
+                    "events.trial_of_begins",
+                    "Trial {trial} of {planned} begins",
+                    trial=trial,
+                    planned=planned,
+                )
+            return EventLine("info", text, message.condition)
         case m.TrialEnded(outcome=outcome):
             mark = _OUTCOMES.get(outcome, "info")
-            return EventLine(mark, f"Trial {message.trial} {outcome}", message.text)
+            how = word(TRIAL_OUTCOMES.get(outcome, outcome))
+            text = say("events.trial_ended", "Trial {trial} {how}", trial=message.trial, how=how)
+            return EventLine(mark, text, message.text)
         case m.BreakStarted():
-            return EventLine("info", "Break", message.text)
+            return EventLine("info", say("events.break", "Break"), message.text)
         case m.BreakEnded():
-            return EventLine("info", "Break over", message.text)
+            return EventLine("info", say("events.break_over", "Break over"), message.text)
         case m.PreflightChecked(source="robot"):
             return None  # what a program found out stands in the preflight
         case m.PreflightChecked(level="ok"):
-            return EventLine("done", f"Ticked: {message.check}", message.detail)
+            text = say("events.ticked", "Ticked: {check}", check=message.check)
+            return EventLine("done", text, message.detail)
         case m.PreflightChecked():
-            return EventLine("warning", f"Not ticked: {message.check}", message.detail)
+            text = say("events.unticked", "Not ticked: {check}", check=message.check)
+            return EventLine("warning", text, message.detail)
         case m.PerceptionChanged(hidden=hidden, blurred=blurred):
             if not hidden and not blurred:
-                return EventLine("info", "Nothing is hidden from you")
-            rough = f"Shown roughly: {', '.join(blurred)}" if blurred else ""
+                return EventLine("info", say("events.all_shown", "Nothing is hidden from you"))
+            rough = ""
+            if blurred:
+                rough = say("events.blurred", "Shown roughly: {what}", what=", ".join(blurred))
             if not hidden:
                 return EventLine("info", rough)
-            return EventLine("info", f"Hidden: {', '.join(hidden)}", rough)
+            text = say("events.hidden", "Hidden: {what}", what=", ".join(hidden))
+            return EventLine("info", text, rough)
         case m.RerunStarted():
-            commands = f"{message.commands} commands"
-            return EventLine("info", f"Run again: {message.original}", commands)
+            commands = say("events.commands", "{number} commands", number=message.commands)
+            text = say("events.rerun", "Run again: {original}", original=message.original)
+            return EventLine("info", text, commands)
         case m.RerunSkipped():
-            return EventLine("warning", f"Left out: {message.original_command}", message.reason)
+            text = say("events.skipped", "Left out: {command}", command=message.original_command)
+            return EventLine("warning", text, message.reason)
         case m.RerunEnded():
-            most = millis(message.late_max_us)
-            late = f"late by {millis(message.late_p50_us)}, {most} at the most"
-            counts = f"{message.sent_again} sent, {message.skipped_commands} left out, {late}"
-            return EventLine("info", f"Re-run over: {message.reason}", counts)
+            counts = say(
+                "events.rerun_counts",
+                "{sent} sent, {skipped} left out, late by {late}, {most} at the most",
+                sent=message.sent_again,
+                skipped=message.skipped_commands,
+                late=millis(message.late_p50_us),
+                most=millis(message.late_max_us),
+            )
+            text = say("events.rerun_over", "Re-run over: {reason}", reason=message.reason)
+            return EventLine("info", text, counts)
     return None
 
 
@@ -490,7 +587,8 @@ def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
         return None
     missing = shown.study.unticked() if isinstance(message, m.TrialStarted) else []
     if missing and shown.session.study.last_ended is None:
-        line.mark, line.detail = "warning", f"not ticked: {'; '.join(missing)}"
+        line.mark = "warning"
+        line.detail = say("events.are_unticked", "not ticked: {checks}", checks="; ".join(missing))
     if message.names_console:
         asker = other_console(getattr(message, "console", ""), shown)
         line.detail = ", ".join(filter(None, (line.detail, asker)))
@@ -498,35 +596,83 @@ def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
 
 
 def _lost(message: m.ConsoleLost, shown: EventContext) -> EventLine:
-    what = f"{message.role} {message.part}".rstrip()
-    return EventLine("warning", f"{what} disconnected", message.why)
+    who = f"{role_word(message.role)} {message.part}".rstrip()
+    return EventLine(
+        "warning", say("events.disconnected", "{who} disconnected", who=who), message.why
+    )
 
 
 def _attached(message: m.ConsoleAttached, shown: EventContext) -> EventLine:
-    what = f"{message.role} {message.name or message.part}".rstrip()
-    what = f"{message.via} joined as {what}" if message.via else f"{what} attached"
+    who = f"{role_word(message.role)} {message.name or message.part}".rstrip()
+    what, where = say("events.attached", "{who} attached", who=who), message.console
+    if message.via:
+        what = say("events.joined", "{via} joined as {who}", via=message.via, who=who)
+        where = say("events.elsewhere", "from another machine")
     if message.sees == "all" and shown.keeps:
-        return EventLine("info", what, "it sees what is hidden from you")
-    return EventLine("info", what, "from another machine" if message.via else message.console)
+        where = say("events.sees_hidden", "it sees what is hidden from you")
+    return EventLine("info", what, where)
+
+
+#: What a console is, in a word.
+_ROLES: Mapping[str, Sentence] = {
+    "wizard": Sentence("events.wizard", "wizard"),
+    "watcher": Sentence("events.watcher", "watcher"),
+    "program": Sentence("events.a_program", "program"),
+    "participant": Sentence("events.a_participant", "participant"),
+}
+
+
+def role_word(role: str) -> str:
+    return word(_ROLES.get(role, role))
 
 
 def _listener(message: m.ListenerJoined | m.ListenerLeft, shown: EventContext) -> EventLine:
     if isinstance(message, m.ListenerJoined):
-        return EventLine("info", f"{message.console} listens to {message.driver}", "live sound")
-    seconds, lost = message.duration_us / 1e6, message.lost_us / 1e6
-    what = f"{message.console} no longer listens to {message.driver}"
-    return EventLine("info", what, f"after {seconds:.1f} s, {lost:.2f} s of it dropped")
+        what = say(
+            "events.listens",
+            "{console} listens to {driver}",
+            console=message.console,
+            driver=message.driver,
+        )
+        return EventLine("info", what, say("events.live_sound", "live sound"))
+    what = say(
+        "events.listens_no_more",
+        "{console} no longer listens to {driver}",
+        console=message.console,
+        driver=message.driver,
+    )
+    after = say(
+        "events.dropped",
+        "after {seconds:.1f} s, {lost:.2f} s of it dropped",
+        seconds=message.duration_us / 1e6,
+        lost=message.lost_us / 1e6,
+    )
+    return EventLine("info", what, after)
 
 
 def _stalled(message: m.ProcessStalled, shown: EventContext) -> EventLine:
-    seconds = f"for {message.duration_us / 1e6:.1f} s"
+    seconds = message.duration_us / 1e6
     if message.cause == "starved":
-        return EventLine("warning", f"Robot process got no processor time {seconds}")
+        told = say(
+            "events.starved",
+            "Robot process got no processor time for {seconds:.1f} s",
+            seconds=seconds,
+        )
+        return EventLine("warning", told)
     if message.cause == "stopped":
-        return EventLine("warning", f"Robot process was stopped {seconds}")
+        told = say(
+            "events.was_stopped", "Robot process was stopped for {seconds:.1f} s", seconds=seconds
+        )
+        return EventLine("warning", told)
     where = ", ".join(filter(None, (message.call, message.place)))
-    who = shown.short_names.get(message.driver, message.driver) or "something"
-    return EventLine("warning", f"{who} held up the robot process {seconds}", where)
+    who = shown.short_names.get(message.driver, message.driver)
+    told = say(
+        "events.held_up",
+        "{who} held up the robot process for {seconds:.1f} s",
+        who=who or say("events.something", "something"),
+        seconds=seconds,
+    )
+    return EventLine("warning", told, where)
 
 
 SENTENCES: dict[type[m.Message], Callable[[Any, EventContext], EventLine | None]] = {

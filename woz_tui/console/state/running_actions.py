@@ -7,9 +7,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from woz_tui.config.performers import composers
+from woz_tui.config.screen_language import word
 from woz_tui.console.state.command_text import command_words, spoken_text
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.action_messages import EVIDENCE
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.text_cleaning import with_remedy
 from woz_tui.timeline.episodes import (
     OUTCOMES,
@@ -24,7 +26,7 @@ from woz_tui.timeline.session_state import SessionState
 
 FAILURES = 200
 #: What is said of a command that was taken, but moves nothing before the robot's mode is over.
-LATER = "applies after this mode"
+LATER = Sentence("runs.later", "applies after this mode")
 #: What is said of a command that is done as far as anybody can know: nothing tells whether it
 #: happened.
 SENT = "sent"
@@ -259,7 +261,7 @@ class RunningActions:
         what = f"“{said}”" if said else ended.action
         reason = ended.reason
         if waits and how in WORKED:
-            how, reason = "waits", LATER
+            how, reason = "waits", word(LATER)
         found = RunOutcome(ended.run, how, ended.t, reason, text, begin)
         if how != Word.REFUSED or not self._is_another(by):
             self.outcomes[ended.action] = found
@@ -293,7 +295,7 @@ class RunningActions:
             self._fail(Failure(request.command, "", what, why, ended.remedy, command.begin))
         reason = ended.reason
         if command.sent.get("waits"):
-            how, reason = "waits", LATER
+            how, reason = "waits", word(LATER)
         return RunOutcome(request.command, how, ended.t, reason, begin=command.begin)
 
     def _fail(self, failure: Failure) -> None:

@@ -5,12 +5,27 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean, length
 from woz_tui.console.drawing.glyphs import Glyphs
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.text_cleaning import elapsed
 from woz_tui.timeline.episodes import StopEpisode
 
 Parts = Mapping[str, Iterable[str]]
+
+#: What presses a stop, where it is no person with a name.
+_SOURCES: Mapping[str, Sentence] = {
+    "key": Sentence("stop.by_key", "key"),
+    "voice": Sentence("stop.by_voice", "voice"),
+    "program": Sentence("stop.by_program", "program"),
+    "console-lost": Sentence("stop.by_lost_console", "console-lost"),
+}
+
+
+def stop_source(source: str) -> str:
+    """What pressed a stop, in a word."""
+    return word(_SOURCES.get(source, source))
 
 
 def short_names(drivers: Iterable[str]) -> dict[str, str]:
@@ -40,22 +55,36 @@ def missing_words(
         parts: Driver -> those of its parts that did not confirm.
         short: Driver -> what the screen calls it.
     """
+    away, named = missing_names(missing, unreached, parts, short)
+    found = [say("stop.not_reached", "not reached: {names}", names=away)] if away else []
+    if named:
+        found.append(say("stop.not_confirmed", "not confirmed: {names}", names=named))
+    return found
+
+
+def missing_names(
+    missing: Iterable[str],
+    unreached: Collection[str],
+    parts: Parts,
+    short: Mapping[str, str],
+) -> tuple[str, str]:
+    """Names of those that were not reached, and of the others that did not confirm."""
     told = {name: ", ".join(parts.get(name, ())) for name in missing if name not in unreached}
     named = ", ".join(
         f"{short.get(name, name)}: {which}" if which else short.get(name, name)
         for name, which in told.items()
     )
-    away = ", ".join(short.get(name, name) for name in unreached)
-    found = [f"not reached: {away}"] if unreached else []
-    return [*found, f"not confirmed: {named}"] if named else found
+    return ", ".join(short.get(name, name) for name in unreached), named
 
 
 def stopped_words(stop: StopEpisode, others: Mapping[str, str], glyphs: Glyphs) -> str:
     """`STOPPED by voice at 00:15`: another wizard by the part, else what was pressed. `others`:
     consoles of other wizards, each with its part.
     """
-    who = others.get(stop.presses[0].pressed.console) or stop.source
-    return f" {glyphs.stop} STOPPED by {clean(who)} at {elapsed(stop.begin)}"
+    who = others.get(stop.presses[0].pressed.console) or stop_source(stop.source)
+    who, when = clean(who), elapsed(stop.begin)
+    told = say("stop.stopped_by", "STOPPED by {who} at {when}", who=who, when=when)
+    return f" {glyphs.stop} {told}"
 
 
 def settled_row(
@@ -67,26 +96,48 @@ def settled_row(
     counted, and `key` is the one that names them.
     """
     alarms = missing_row(stop, short, glyphs)
-    confirmed = len(stop.confirmed)
-    count = f"{confirmed} of {confirmed + len(stop.missing)} confirmed"
+    done, away = len(stop.confirmed), len(stop.unreached)
+    total, silent = done + len(stop.missing), len(stop.missing) - away
+    count = say("stop.count", "{done} of {total} confirmed", done=done, total=total)
     names = missing_row(stop, short, glyphs, parts=False)
-    away = len(stop.unreached)
-    counts = {"NOT REACHED": away, "NOT CONFIRMED": len(stop.missing) - away}
-    counted = tuple(
-        (f" {glyphs.error} {number} {what} ", "alarm") for what, number in counts.items() if number
+    counts = (
+        say("stop.count_away", "{number} NOT REACHED", number=away) if away else "",
+        say("stop.count_silent", "{number} NOT CONFIRMED", number=silent) if silent else "",
     )
-    late = f" late, after {stop.late_us / 1e6:.1f} s" if stop.late_us else ""
+    counted = tuple((f" {glyphs.error} {told} ", "alarm") for told in counts if told)
+    late = stop.late_us / 1e6
+    count_late = count
+    if late:
+        count_late = say(
+            "stop.count_late",
+            "{done} of {total} confirmed late, after {late:.1f} s",
+            done=done,
+            total=total,
+            late=late,
+        )
+    named = say("stop.names_them", "{told}; {key} names them", told=count, key=key)
     told = (
-        (alarms, f" confirmed{late}: {confirmed_words(stop, short)}"),
-        (alarms, f" confirmed{late}: {confirmed_words(stop, short, parts=False)}"),
-        (alarms, f" {count}{late}"),
+        (alarms, f" {_confirmed(confirmed_words(stop, short), late)}"),
+        (alarms, f" {_confirmed(confirmed_words(stop, short, parts=False), late)}"),
+        (alarms, f" {count_late}"),
         (alarms, ""),
         (names, f" {count}"),
         (names, ""),
-        (counted, f" {count}{f'; {key} names them' if key else ''}"),
+        (counted, f" {named if key else count}"),
     )
     rows = [(*row, (clean(words), "alarm-soft")) for row, words in told]
     return next((row for row in rows if length(row) <= width), rows[-1])
+
+
+def _confirmed(names: str, late: float) -> str:
+    if not late:
+        return say("stop.confirmed", "confirmed: {names}", names=names)
+    return say(
+        "stop.confirmed_late",
+        "confirmed late, after {late:.1f} s: {names}",
+        late=late,
+        names=names,
+    )
 
 
 def missing_row(
@@ -94,9 +145,12 @@ def missing_row(
 ) -> Row:
     """Who did not confirm, as an alarm; nothing if all confirmed."""
     which = stop.parts_missing if parts else {}
-    words = map(clean, missing_words(stop.missing, stop.unreached, which, short))
-    alarms = (each.partition(":") for each in words)
-    return tuple((f" {glyphs.error} {what.upper()}:{names} ", "alarm") for what, _, names in alarms)
+    away, named = map(clean, missing_names(stop.missing, stop.unreached, which, short))
+    told = (
+        say("stop.alarm_away", "NOT REACHED: {names}", names=away) if away else "",
+        say("stop.alarm_silent", "NOT CONFIRMED: {names}", names=named) if named else "",
+    )
+    return tuple((f" {glyphs.error} {each} ", "alarm") for each in told if each)
 
 
 def confirmed_words(stop: StopEpisode, short: Mapping[str, str], *, parts: bool = True) -> str:
@@ -113,5 +167,7 @@ def confirmed_words(stop: StopEpisode, short: Mapping[str, str], *, parts: bool 
         return ", ".join(words)
     names = tuple(short.get(name, name) for name in stop.confirmed)
     if not names and not stop.missing:
-        return "nothing here moves"
-    return ", ".join(names) or ("only parts" if partly else "nobody")
+        return say("stop.nothing_moves", "nothing here moves")
+    if not names:
+        return say("stop.only_parts", "only parts") if partly else say("stop.nobody", "nobody")
+    return ", ".join(names)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
+
+from woz_tui.protocol.sentence import Sentence
 
 #: Readings older than this look stale even if nobody said so; those of a sensor that is seldom by
 #: nature from so many of its periods on.
@@ -49,6 +52,17 @@ class ButtonView:
     def of_run(self) -> bool:
         """Whether it is that of a run, under way or over."""
         return self.state not in (ButtonState.READY, ButtonState.LOCKED, ButtonState.UNREACHABLE)
+
+
+#: What is said of a sensor, for a screen; a driver may say anything else.
+SENSOR_STATES: Mapping[str, Sentence] = {
+    "ok": Sentence("meters.ok", "ok"),
+    "stale": Sentence("meters.stale", "stale"),
+    "speaking": Sentence("meters.speaking", "speaking"),
+    "quiet": Sentence("meters.quiet", "quiet"),
+    "silent": Sentence("meters.silent", "silent"),
+    "clipping": Sentence("meters.clipping", "clipping"),
+}
 
 
 class DriverView(NamedTuple):

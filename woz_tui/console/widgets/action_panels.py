@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from rich.cells import cell_len, set_cell_size
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Cells, Row, clean, cut, fit, fit_most
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.key_caps import KeyCap, caption
@@ -20,6 +21,7 @@ from woz_tui.console.state.remedy_text import button_of
 from woz_tui.console.state.view_models import ButtonState, ButtonView
 from woz_tui.console.widgets.bottom_rows import quotation
 from woz_tui.protocol.panels import TYPED, ActionView, PanelView
+from woz_tui.protocol.sentence import Sentence
 
 #: Cells of a column: below, labels suffer; above, the eye has too far to go.
 NARROW, COMFORTABLE, BEST, WIDE = 18, 24, 32, 38
@@ -329,9 +331,9 @@ def _slot(
     ready = standing.state is ButtonState.READY
     dim = state.session.stop is not None or bool(state.lost)
     look = "muted" if dim and ready else _LOOK[standing.state]
-    word = _word(state, panel, standing)
+    told = _told(state, panel, standing)
     if without := [what for what in action.without if "." not in what]:
-        word = word or f"no {', '.join(without)}"
+        told = told or say("panels.lacks", "no {what}", what=", ".join(without))
         if not action.verbs and ready:
             look = "muted"
     key = caption(board.caps.get(action.name, KeyCap(action.key)), glyphs)
@@ -343,8 +345,8 @@ def _slot(
     room = frame.width - cap - 1
     spare = room - 2 - cell_len(label)
     timed = standing.state in (ButtonState.RUNNING, ButtonState.HELD)
-    shown = f" {word} " if word else " "
-    if not (word if timed else spare > cell_len(word) + 1):
+    shown = f" {told} " if told else " "
+    if not (told if timed else spare > cell_len(told) + 1):
         shown = ""
     left_over = spare - 2 - cell_len(shown)
     beside = ""
@@ -370,21 +372,25 @@ def _title(state: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> 
     if whose:
         whose = f" {glyphs.middle} {fit_most(whose, max(WORDS, width // 3), glyphs.ellipsis)}"
     room = width - 3 - cell_len(clean(panel.title)) - cell_len(whose)
-    note = " continued" if slot.again else ""
+    continued = say("panels.continued", "continued")
+    note = f" {continued}" if slot.again else ""
     if state.is_locked(panel):  # with the key that opens it, where there is one and room
         opener = state.keys.get(button_of("unlock", panel.title, state), "")
-        notes = (f" locked, {opener} opens it", f" locked ({opener})") if opener else ()
-        note = next((each for each in notes if cell_len(each) <= room), " locked")
+        told = [say("panels.locked", "locked")]
+        if opener:
+            told.insert(0, say("panels.locked_by", "locked ({key})", key=opener))
+            told.insert(0, say("panels.opens_it", "locked, {key} opens it", key=opener))
+        note = next((f" {each}" for each in told if cell_len(each) < room), f" {told[-1]}")
     note += whose
     if slot.again and cell_len(clean(panel.title)) > width - 3 - cell_len(note):
-        note = note.replace("continued", glyphs.ellipsis)  # rather than half a title
+        note = note.replace(continued, glyphs.ellipsis)  # rather than half a title
     title = fit_most(panel.title, width - 2 - cell_len(note) - 1, glyphs.ellipsis)
     used = 2 + cell_len(title) + cell_len(note)
     rule = glyphs.rule * max(0, width - used - 1)
     return ((mark, "title"), (title, "title"), (note, "muted"), (" ", "plain"), (rule, "faint"))
 
 
-def _word(state: ConsoleState, panel: PanelView, standing: ButtonView) -> str:
+def _told(state: ConsoleState, panel: PanelView, standing: ButtonView) -> str:
     """How an action stands; nothing where the title or the status line says it for all."""
     match standing.state:
         case ButtonState.READY | ButtonState.DONE:
@@ -392,17 +398,29 @@ def _word(state: ConsoleState, panel: PanelView, standing: ButtonView) -> str:
         case ButtonState.RUNNING:
             return "" if standing.left_us is None else time_left(standing.left_us)
         case ButtonState.HELD:
-            return f"waits {time_left(standing.left_us or 0)}"
+            return say("panels.waits", "waits {left}", left=time_left(standing.left_us or 0))
         case ButtonState.LOCKED if state.is_locked(panel) or state.is_of_others(panel):
             return ""
         case ButtonState.UNREACHABLE:
-            return "" if len(state.drivers) == 1 else f"no {standing.note}"
+            if len(state.drivers) == 1:
+                return ""
+            return say("panels.no_driver", "no {driver}", driver=standing.note)
         case other:
-            return _WORDS.get(other, str(other.value))
+            return word(_WORDS[other])
 
 
-#: Words of states that are not called as the state is.
-_WORDS = {ButtonState.WAITS: "after mode", ButtonState.LEFT_OUT: "left out"}
+#: States in a word.
+_WORDS = {
+    ButtonState.QUEUED: Sentence("panels.queued", "queued"),
+    ButtonState.SENT: Sentence("panels.sent", "sent"),
+    ButtonState.WAITS: Sentence("panels.after_mode", "after mode"),
+    ButtonState.LEFT_OUT: Sentence("panels.left_out", "left out"),
+    ButtonState.FAILED: Sentence("panels.failed", "failed"),
+    ButtonState.REFUSED: Sentence("panels.refused", "refused"),
+    ButtonState.STOPPED: Sentence("panels.stopped", "stopped"),
+    ButtonState.REPLACED: Sentence("panels.replaced", "replaced"),
+    ButtonState.LOCKED: Sentence("panels.locked", "locked"),
+}
 
 
 class ActionPanels(Cells):
@@ -419,7 +437,8 @@ class ActionPanels(Cells):
     def paint(self, state: ConsoleState, frame: PaintFrame) -> None:
         """Show the panels as they are now."""
         if not state.welcomed:
-            text = f" Waiting for the robot process{frame.glyphs.ellipsis}"
+            text = say("panels.waiting", "Waiting for the robot process")
+            text = f" {text}{frame.glyphs.ellipsis}"
             self.show([((fit(text, frame.width), "muted"),)])
         elif frame.width and frame.height:
             self.show(panel_rows(state, frame, self.arranged(state, frame), self.board))
@@ -448,7 +467,8 @@ class ActionPanels(Cells):
         arranged = self._arranged
         if arranged is None or arranged.pages < 2:
             return ""
-        return f"page {self.board.page(arranged) + 1}/{arranged.pages}"
+        page = self.board.page(arranged) + 1
+        return say("panels.page", "page {page}/{pages}", page=page, pages=arranged.pages)
 
     def needs(self, state: ConsoleState, glyphs: Glyphs) -> int:
         """Lines in which all panels find room on one page of this width, as far as they do."""

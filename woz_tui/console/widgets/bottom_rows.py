@@ -11,7 +11,7 @@ from functools import cache
 
 from rich.cells import cell_len
 
-from woz_tui.config.screen_language import word
+from woz_tui.config.screen_language import say, word
 from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.drawing.cells import (
     Cells,
@@ -33,6 +33,7 @@ from woz_tui.console.state.stop_confirmation import settled_row, stopped_words
 from woz_tui.console.widgets.feature_console import ActionOrder, AskedWords, FeatureConsole
 from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol.messages import FilledCall
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.timeline.episodes import StopEpisode
 
 
@@ -53,7 +54,7 @@ def action_row(state: ConsoleState, frame: PaintFrame, keys: Mapping[str, str]) 
         if state.replay is not None:  # no key plays anything there
             found.append((label,))
         else:
-            found.append(((key, "key") if key else ("no key", "muted"), label))
+            found.append(((key, "key") if key else (say("rows.no_key", "no key"), "muted"), label))
     need = sum(map(length, found))
     apart = 3 if need + 3 * len(found) <= frame.width else 1
     row: Row = ((" ", "plain"),)
@@ -73,19 +74,22 @@ class ActionRow(Cells):
 
 
 #: What stands for a text that is kept from the wizard.
-KEPT = "what it says is kept from you"
+KEPT = Sentence("rows.kept", "what it says is kept from you")
 
 
 def step_words(step: Sequence[FilledCall] | float) -> str:
     """`say “Hello” + play nod`, or `wait 0.5 s`; what several robots do alike stands there once."""
     if isinstance(step, float | int):
-        return f"wait {step:g} s"
+        return say("rows.wait", "wait {seconds:g} s", seconds=step)
     alike = Counter[str]()
     for call in step:
         text = command_words(call)
         alike[f"{call.verb} {text}" if call.args.get("text") else text] += 1
     return " + ".join(
-        words if count == 1 else f"{words} ({count} robots)" for words, count in alike.items()
+        words
+        if count == 1
+        else say("rows.robots", "{words} ({number} robots)", words=words, number=count)
+        for words, count in alike.items()
     )
 
 
@@ -110,7 +114,7 @@ def quotation(text: str, glyphs: Glyphs) -> str:
 def sentence_rows(state: ConsoleState, frame: PaintFrame, action: str) -> list[Row]:
     """What it says, or what it does if it says nothing, in as many rows as the frame has."""
     if state.sentence(action) == HIDDEN_TEXT:
-        text, look = KEPT, "muted"
+        text, look = word(KEPT), "muted"
     elif said := quoted(state, action, frame.glyphs):
         text, look = said, "strong"
     else:
@@ -201,7 +205,7 @@ def next_row(
     """
     glyphs = frame.glyphs
     if then:
-        row: Row = ((" then ", "title"),)
+        row: Row = ((f" {say('rows.then', 'then')} ", "title"),)
         for cap, label in then:
             row += ((f" {cap or glyphs.dash} ", "key"), (f" {clean(label)}  ", "strong"))
         room = frame.width - length(row)
@@ -275,9 +279,19 @@ def bar_rows(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     urgent = _urgent(state, frame, bar)
     coming = [next_row(state, frame, bar.next, then=bar.then, begin=bar.begin)]
     if state.nobody_plays:
-        what = clean(state.part) or "the robot"
-        what = f" {frame.glyphs.warning} Nobody plays {what}. {bar.take_over} plays it from here."
-        coming = [((fit(what, frame.width), "alarm-soft"),)]
+        what, key = clean(state.part), bar.take_over
+        if what:
+            told = say(
+                "rows.nobody_plays_part",
+                "Nobody plays {part}. {key} plays it from here.",
+                part=what,
+                key=key,
+            )
+        else:
+            told = say(
+                "rows.nobody_plays", "Nobody plays the robot. {key} plays it from here.", key=key
+            )
+        coming = [((fit(f" {frame.glyphs.warning} {told}", frame.width), "alarm-soft"),)]
     if lines > len(coming) + 1:
         name, two_rows = upcoming(state), replace(frame, height=2)
         if (asks := asked_words(state).get(name)) is not None:
@@ -295,27 +309,40 @@ def _urgent(state: ConsoleState, frame: PaintFrame, bar: BarInfo) -> list[Row]:
     """What the wizard must know now, in two rows at most."""
     glyphs, width, asked_us = frame.glyphs, frame.width, bar.asked_us
     if state.ended and state.lost and asked_us is None:
-        where = f" {bar.failures} shows where its log is" if bar.failures else ""
-        over = " The session has ended."
+        where = ""
+        if bar.failures:
+            where = say("rows.shows_log", "{key} shows where its log is", key=bar.failures)
+            where = f" {where}"
+        over = f" {say('rows.ended', 'The session has ended.')}"
         return [((fit(over, width), "strong"),), ((fit(where, width), "muted"),)]
     stop = state.session.stop
     if stop is not None and (not state.lost or (stop.settled and asked_us is None)):
         return _stopped(state, stop, bar, frame)
     if state.lost and (asked_us is not None or stop is not None):
-        what, part = "CONFIRMED" if asked_us is None else "DELIVERED", state.lost.part
-        first = f" {glyphs.stop} STOP NOT {what}: use the robot's own switch"
+        part = state.lost.part
+        told = say("stop.undelivered", "STOP NOT DELIVERED: use the robot's own switch")
+        if asked_us is None:
+            told = say("stop.unconfirmed", "STOP NOT CONFIRMED: use the robot's own switch")
+        first = f" {glyphs.stop} {told}"
         if len(told := f"{first}; {part.sentence}") <= width:
             first = told
         second = f" {part.robot}"
         return [((fit(first, width), "alarm"),), ((fit(second, width), "alarm-soft"),)]
     if state.lost:
-        why = f" {glyphs.error} {state.lost.part.title}: {clean(state.lost.why)}"
-        more = f" {bar.failures} shows what the robot does and what can be done"
-        what = f"No key is sent.{more if bar.failures else ''}"
+        why = f" {glyphs.error} {state.lost.part.title}: {clean(word(state.lost.why))}"
+        what = say("rows.no_key_sent", "No key is sent.")
+        if bar.failures:
+            what = say(
+                "rows.no_key_sent_more",
+                "No key is sent. {key} shows what the robot does and what can be done",
+                key=bar.failures,
+            )
         return [((fit(why, width), "alarm"),), _below(what, bar.news, frame)]
     if asked_us is not None:
         waited = millis(frame.now - asked_us)
-        first = f" {glyphs.stop} STOP SENT {glyphs.middle} no answer yet, {waited}"
+        sent = say("stop.sent", "STOP SENT")
+        told = say("stop.no_answer", "no answer yet, {waited}", waited=waited)
+        first = f" {glyphs.stop} {sent} {glyphs.middle} {told}"
         return [((fit(first, width), "alarm"),), ((" " * width, "alarm-soft"),)]
     return _news_rows(bar.news, glyphs, width, bar.stop)
 
@@ -326,7 +353,9 @@ def _news_rows(news: News, glyphs: Glyphs, width: int, stop: str) -> list[Row]:
     """
     if not news.text:
         return []
-    behind: Row = ((f" {stop}", "strong"), (" stop ", "muted")) if stop else ()
+    behind: Row = (
+        ((f" {stop}", "strong"), (f" {say('stop.word', 'stop')} ", "muted")) if stop else ()
+    )
     row: Row = ((f" {glyphs.plain(clean(news.text))}", news.look),)
     room = width - length(behind)
     first, *rest = wrap_row(row, 1, room if length(row) <= width else width)
@@ -346,10 +375,15 @@ def _stopped(state: ConsoleState, stop: StopEpisode, bar: BarInfo, frame: PaintF
     release = "" if state.lost else bar.release  # no key is sent
     left = stopped_words(stop, state.others, glyphs)
     confirmed = stop.settled and not stop.missing
-    does = "releases" if confirmed else "releases (asks first)"
-    hint = f"{release} {does} " if release else ""
+    hint = ""
+    if release:
+        hint = say("stop.asks_first", "{key} releases (asks first)", key=release)
+        if confirmed:
+            hint = say("stop.releases", "{key} releases", key=release)
+        hint += " "
     if state.lost:
-        left += ", confirmed by all" if confirmed else ""
+        if confirmed:
+            left = say("stop.by_all", "{stopped}, confirmed by all", stopped=left)
         part = state.lost.part
         hint = f"{part.sentence} "
         if len(left) + len(hint) >= width:
@@ -358,11 +392,18 @@ def _stopped(state: ConsoleState, stop: StopEpisode, bar: BarInfo, frame: PaintF
         hint = ""
     first = spread(((left, "alarm"), (" " * width, "alarm")), ((hint, "alarm"),), width, " ")
     if not stop.settled:
-        second: Row = ((fit(" waiting for the drivers to confirm", width), "alarm-soft"),)
+        waits = say("stop.waiting", "waiting for the drivers to confirm")
+        second: Row = ((fit(f" {waits}", width), "alarm-soft"),)
         return [first, second]
     if confirmed and (state.lost or bar.news.text):
-        why = state.lost.why if state.lost else ""
-        more = f"{bar.failures} shows what can be done ({why})" if bar.failures else why
+        more = word(state.lost.why) if state.lost else ""
+        if bar.failures:
+            more = say(
+                "rows.can_be_done",
+                "{key} shows what can be done ({why})",
+                key=bar.failures,
+                why=more,
+            )
         return [first, _below(more, bar.news, frame)]
     row = settled_row(stop, state.short_names, glyphs, width, release)
     blanks = max(0, width - length(row))

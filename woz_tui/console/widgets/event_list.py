@@ -12,6 +12,7 @@ from itertools import zip_longest
 
 from rich.cells import cell_len
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Cells, Piece, Row, clean, cut, heading
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.number_text import seconds, time_left
@@ -19,14 +20,21 @@ from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventLine
 from woz_tui.console.state.remedy_text import remedy_text
 from woz_tui.console.widgets.bottom_rows import quotation
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.text_cleaning import elapsed
 
 #: Rows the list may repaint at once, and a second in the long run. A flood of lines moves every row
 #: at every painting; nobody reads that, and it would fill a slow line to the terminal.
 BURST_ROWS, ROWS_S = 400, 100
 
-#: What may be listed; each names itself in the heading. None of them leaves a fault out.
+#: What may be listed; the heading names it. None of them leaves a fault out.
 ALL, ACTS, FAULTS, MACHINE = VIEWS = ("all", "own acts", "faults", "machine")
+_VIEW_WORDS = {
+    ALL: Sentence("events.all", "all"),
+    ACTS: Sentence("events.own_acts", "own acts"),
+    FAULTS: Sentence("events.faults", "faults"),
+    MACHINE: Sentence("events.machine", "machine"),
+}
 #: From so many rows on the engagement model has one.
 MODEL_ROWS = 3
 #: What takes less has no length worth a figure, in microseconds.
@@ -101,12 +109,13 @@ def event_row(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Row:
     glyphs = frame.glyphs
     look = LOOK.get(event.mark, "plain")
     mark = str(getattr(glyphs, event.mark, glyphs.info))
-    when = "model" if event.model else elapsed(event.t)
+    # Where others have their time, so five cells in any language.
+    when = say("events.model", "model") if event.model else elapsed(event.t)
     front: tuple[Piece, ...] = ((f" {when:>5} ", "muted"), (f"{mark} ", look))
     back = _time_piece(event, state, frame)
     room = frame.width - sum(cell_len(text) for text, _ in (*front, back))
     text = glyphs.plain(clean(event.text))
-    times = f"{event.times} times" if event.times > 1 else ""
+    times = say("events.times", "{number} times", number=event.times) if event.times > 1 else ""
     told = remedy_text(event.detail, state)
     detail = glyphs.plain(clean(", ".join(filter(None, (times, told)))))
     tone = look if event.mark in ("failed", "error", "refused", "warning", "stop") else "plain"
@@ -131,7 +140,7 @@ def act_text(state: ConsoleState, run: str, action: str, glyphs: Glyphs) -> str:
 def _time_piece(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Piece:
     """What stands at the right: how long it took, takes or waits; that it was a mistake."""
     if event.mistake:
-        return (" mistake ", "warn")
+        return (f" {say('events.is_mistake', 'mistake')} ", "warn")
     if event.took_us is not None:
         told = event.took_us >= BRIEF_US and event.mark not in ("refused", "failed")
         told = told and not event.untimed
@@ -140,14 +149,15 @@ def _time_piece(event: EventLine, state: ConsoleState, frame: PaintFrame) -> Pie
     if run is None:
         return (" ", "plain")
     if (held := run.held_for(frame.now)) is not None:
-        return (f" waits {seconds(held[0])} ", "wait")
+        return (f" {say('events.waits', 'waits {time}', time=seconds(held[0]))} ", "wait")
     if not run.running:
-        return (" queued ", "wait")
+        return (f" {say('events.queued', 'queued')} ", "wait")
     untimed = event.untimed or state.untimed(event.action)
     to_go = None if untimed else run.timing(frame.now)[0]
     shown = seconds(frame.now - event.t)
     if to_go is not None:
-        shown = f"{seconds(to_go)} left" if to_go < _MINUTES_US else f"{time_left(to_go)} left"
+        left = seconds(to_go) if to_go < _MINUTES_US else time_left(to_go)
+        shown = say("events.left", "{time} left", time=left)
     return (f" {shown} ", "run")
 
 
@@ -176,8 +186,12 @@ class EventList(Cells):
 
     def _heading(self, frame: PaintFrame) -> Row:
         """Title, rule, at the right the view and the key that turns it, where there is room."""
-        turns = f"{self.view} {frame.glyphs.middle} {self.key} filters" if self.key else self.view
-        bare = heading("Events", replace(frame, width=max(0, frame.width - cell_len(turns) - 1)))
+        turns = word(_VIEW_WORDS[self.view])
+        if self.key:
+            filters = say("events.filters", "{key} filters", key=self.key)
+            turns = f"{turns} {frame.glyphs.middle} {filters}"
+        width = max(0, frame.width - cell_len(turns) - 1)
+        bare = heading(say("events.heading", "Events"), replace(frame, width=width))
         return (*bare, (turns, "muted"), (" ", "plain"))
 
     def _affords(self, rows: list[Row], frame: PaintFrame, state: ConsoleState) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from rich.cells import cell_len
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import (
     Cells,
     Piece,
@@ -20,11 +21,13 @@ from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.number_text import millis
 from woz_tui.console.robot_settings.status import driver_trouble
 from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.console.state.event_sentences import TRIAL_OUTCOMES
 from woz_tui.console.state.replay import wall_time
 from woz_tui.console.state.view_models import DriverView
 from woz_tui.console.widgets.feature_console import FeatureConsole, under_way
 from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol.panel_players import part_names
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.text_cleaning import elapsed
 
 #: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
@@ -63,9 +66,10 @@ def status_rows(state: ConsoleState, frame: PaintFrame, line: StatusInfo) -> lis
     if state.replay is not None:  # the day of the session, and whether all of its log is there
         began = wall_time(state.settings, 0)
         day = f"  {began:%Y-%m-%d}  " if began is not None else "  "
-        whole: Piece = ("log complete ", "muted")
+        whole: Piece = (f"{say('status.log_complete', 'log complete')} ", "muted")
         if state.settings.replay and state.settings.replay.notes:
-            whole = (f"{glyphs.warning} log incomplete ", "warn")
+            lacks = say("status.log_incomplete", "log incomplete")
+            whole = (f"{glyphs.warning} {lacks} ", "warn")
         vitals = ((day, "plain"), whole)
     else:
         for part in (_recorder(state, frame), _line(state, line, frame)):
@@ -111,16 +115,12 @@ def _session(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     badge = _badge(state)
     spare = room - len(time) - 3 - length(badge)
     if state.study.counts:  # then who and what is worth more than the title
-        spare -= sum(cell_len(value) + 3 for value in values[:3])
+        spare -= sum(cell_len(value) + 3 for value, _ in values[:3])
         spare = max(spare, 1 if state.role == "watcher" else TITLE)
     cells = min(cell_len(title), max(1, spare))
     named = ((f" {fit(title, cells, glyphs.ellipsis)}  ", "strong"), (time, "plain"))
     parts: list[Row] = [badge, named] if badge else [named]
-    for value in values:
-        look = "warn" if value.startswith("no ") else "plain"
-        if value.startswith(("break ", "questions ")):
-            look = "wait"
-        parts.append(((f" {glyphs.middle} ", "faint"), (value, look)))
+    parts += [((f" {glyphs.middle} ", "faint"), value) for value in values]
     # What is left out behind it leaves room for more of the title.
     cells = min(cell_len(title), cells + room - length(_fitting(parts, room)))
     title = fit(title, max(1, cells), glyphs.ellipsis)
@@ -132,76 +132,121 @@ def _badge(state: ConsoleState) -> Row:
     """What this console is, if it does not play."""
     part = clean(state.part)
     if state.role == "watcher":
-        what = "NOBODY PLAYS" if state.nobody_plays else "WATCHING"
-        return ((f" {what} {part} " if part else f" {what} ", "alarm-soft"),)
+        return ((f" {_watching(state, part)} ", "alarm-soft"),)
     if part:
         return ((f" {part} ", "fill"),)
     if state.replay is not None:
         told = state.settings.replay
-        coder = f"CODER {told.coder}" if told and told.coder else "REPLAY"
-        return ((f" {coder} ", "fill"),)
+        what = say("status.replay", "REPLAY")
+        if told and told.coder:
+            what = say("status.coder", "CODER {coder}", coder=told.coder)
+        return ((f" {what} ", "fill"),)
     return ()
 
 
-def _values(state: ConsoleState, frame: PaintFrame) -> list[str]:
+def _watching(state: ConsoleState, part: str) -> str:
+    if state.nobody_plays:
+        if part:
+            return say("status.nobody_plays_part", "NOBODY PLAYS {part}", part=part)
+        return say("status.nobody_plays", "NOBODY PLAYS")
+    if part:
+        return say("status.watching_part", "WATCHING {part}", part=part)
+    return say("status.watching", "WATCHING")
+
+
+def _values(state: ConsoleState, frame: PaintFrame) -> list[Piece]:
     """Who takes part, under which condition, in which trial, and so on."""
     study, start = state.session.study, state.session.start
     others = clean(part_names(state.others, state.others))
-    values = [
-        clean(study.participant) or "no participant",
-        clean(study.condition) or ("no condition" if state.plan.conditions else ""),
-        trial_text(state, frame),
-        f"with {others}" if others and state.role == "wizard" else "",
+    values: list[Piece] = [
+        (clean(study.participant), "plain")
+        if study.participant
+        else (say("status.no_participant", "no participant"), "warn")
     ]
+    if study.condition:
+        values.append((clean(study.condition), "plain"))
+    elif state.plan.conditions:
+        values.append((say("status.no_condition", "no condition"), "warn"))
+    values.append(_trial(state, frame))
+    if others and state.role == "wizard":
+        values.append((say("status.with", "with {others}", others=others), "plain"))
     for name, console in pieces("console", FeatureConsole).items():
-        if console.value is not None:
-            values.append(answer_of(name, "", console.value, state))
-    values.append(f"session {clean(start.session)}" if start is not None and start.session else "")
-    return [value for value in values if value]
+        if console.value is not None:  # something is open
+            values.append((answer_of(name, "", console.value, state), "wait"))
+    if start is not None and start.session:
+        code = say("status.session", "session {code}", code=clean(start.session))
+        values.append((code, "plain"))
+    return [(text, look) for text, look in values if text]
 
 
 def trial_text(state: ConsoleState, frame: PaintFrame) -> str:
     """The trial's number and, where the robot process counts them, its time, or the break's."""
+    return _trial(state, frame)[0]
+
+
+def _trial(state: ConsoleState, frame: PaintFrame) -> Piece:
     study, now = state.session.study, frame.now
-    of = f"{' of ' if frame.width >= WORDY else '/'}{study.planned}" if study.planned else ""
     if study.in_break is not None:
-        return f"break {elapsed(now - study.in_break.begin)}"
+        lasts = elapsed(now - study.in_break.begin)
+        return say("status.break", "break {lasts}", lasts=lasts), "wait"
     if study.trial is not None:
-        return f"trial {study.trial.label}{of} {elapsed(now - study.trial.begin)}"
+        number = _of_planned(study.trial.label, study.planned, frame)
+        lasts = elapsed(now - study.trial.begin)
+        told = say("status.trial_lasts", "trial {number} {lasts}", number=number, lasts=lasts)
+        return told, "plain"
     if under_way(state) is not None:
-        return ""  # how far that is has its place
-    if study.last_ended is not None:
-        return f"trial {study.last_ended.trial}{of} {study.last_ended.outcome:<5}"
+        return "", "plain"  # how far that is has its place
+    if (ended := study.last_ended) is not None:
+        number = _of_planned(ended.trial, study.planned, frame)
+        how = word(TRIAL_OUTCOMES.get(ended.outcome, ended.outcome))
+        return say("status.trial_ended", "trial {number} {how:<5}", number=number, how=how), "plain"
     if study.designed:
-        return "no trial yet"
-    return f"trial {study.number}" if study.number is not None else ""
+        return say("status.no_trial", "no trial yet"), "warn"
+    if study.number is None:
+        return "", "plain"
+    return say("status.trial", "trial {number}", number=study.number), "plain"
+
+
+def _of_planned(number: object, planned: int, frame: PaintFrame) -> str:
+    """`2 of 8`, or `2/8` where room is short."""
+    if not planned:
+        return f"{number}"
+    if frame.width < WORDY:
+        return f"{number}/{planned}"
+    return say("status.number_of", "{number} of {planned}", number=number, planned=planned)
 
 
 def _recorder(state: ConsoleState, frame: PaintFrame) -> Row:
     """Whether the log is written; how far it lags, where there is room or it is too much."""
     glyphs = frame.glyphs
     if state.ended:
-        return (("session over", "muted"),)
+        return ((say("status.session_over", "session over"), "muted"),)
     if state.lost:
         return ((f" {glyphs.error} {state.lost.part.sign} ", "alarm"),)
+    not_yet: Row = ((f"{glyphs.no} {say('status.not_recording', 'Not recording yet')}", "muted"),)
     recorder = state.session.recorder
     if recorder is None:
-        return ((f"{glyphs.no} Not recording yet", "muted"),)
+        return not_yet
     lag = millis(recorder.lag_us)
     match recorder.level:
         case "ok":
             figure: Row = ((f"{f' ({lag})':<9}", "muted"),) if frame.width >= WORDY else ()
-            return ((f"{glyphs.yes} Recording", "good"), *figure)
+            return ((f"{glyphs.yes} {say('status.recording', 'Recording')}", "good"), *figure)
         case "warn":
-            return ((f"{glyphs.warning} Recording {lag} late", "warn"),)
+            late = say("status.recording_late", "Recording {lag} late", lag=lag)
+            return ((f"{glyphs.warning} {late}", "warn"),)
         case "alarm":  # behind the disk, or in trouble with a file: the events say which
-            what = f"{lag} LATE" if recorder.lag_us >= LATE_US else "TROUBLE"
-            return ((f" {glyphs.error} RECORDING {what} ", "alarm"),)
+            what = say("status.recording_trouble", "RECORDING TROUBLE")
+            if recorder.lag_us >= LATE_US:
+                what = say("status.recording_very_late", "RECORDING {lag} LATE", lag=lag)
+            return ((f" {glyphs.error} {what} ", "alarm"),)
         case "failed":  # everything is refused, or the wizard goes on all the same
-            what = "WITHOUT A RECORD" if recorder.waived else "NOT RECORDED"
+            what = say("status.not_recorded", "NOT RECORDED")
+            if recorder.waived:
+                what = say("status.without_record", "WITHOUT A RECORD")
             return ((f" {glyphs.error} {what} ", "alarm"),)
         case _:
-            return ((f"{glyphs.no} Not recording yet", "muted"),)
+            return not_yet
 
 
 def _line(state: ConsoleState, line: StatusInfo, frame: PaintFrame) -> Row:
@@ -210,26 +255,31 @@ def _line(state: ConsoleState, line: StatusInfo, frame: PaintFrame) -> Row:
     """
     glyphs, round_trip = frame.glyphs, line.round_trip_us
     if not line.well:
-        return ((f" {glyphs.error} TERMINAL STALLED ", "alarm"),)
+        stalled = say("status.terminal_stalled", "TERMINAL STALLED")
+        return ((f" {glyphs.error} {stalled} ", "alarm"),)
     if own := state.line:
         if state.settings.driving == "pressed":
-            return ((f"{glyphs.warning} via {own}: a lost line drives on ", "warn"),)
-        wide = frame.width >= WORDY
-        return ((f"via {own}{', hold a key to drive' if wide else ''} ", "muted"),)
+            told = say("status.drives_on", "via {own}: a lost line drives on", own=own)
+            return ((f"{glyphs.warning} {told} ", "warn"),)
+        told = say("status.via", "via {own}", own=own)
+        if frame.width >= WORDY:
+            told = say("status.hold_to_drive", "via {own}, hold a key to drive", own=own)
+        return ((f"{told} ", "muted"),)
     if round_trip is not None and round_trip >= SLOW_LINE_US:
         look = "bad" if round_trip >= BAD_LINE_US else "warn"
-        return ((f"{glyphs.warning} connection {millis(round_trip)} ", look),)
+        slow = say("status.slow", "connection {time}", time=millis(round_trip))
+        return ((f"{glyphs.warning} {slow} ", look),)
     if frame.width < WORDY:
-        return (("connected ", "muted"),)
+        return ((f"{say('status.connected', 'connected')} ", "muted"),)
     shown = glyphs.dash if round_trip is None else millis(round_trip)
-    return ((f"connection {shown:<6} ", "muted"),)
+    return ((f"{say('status.connection', 'connection {time:<6}', time=shown)} ", "muted"),)
 
 
 _HEALTH = {
     "connected": ("yes", "good", ""),
-    "connecting": ("driver", "warn", " connecting"),
-    "lost": ("error", "bad", " lost"),
-    "faulted": ("warning", "warn", " faulted"),
+    "connecting": ("driver", "warn", Sentence("status.connecting", "connecting")),
+    "lost": ("error", "bad", Sentence("status.lost", "lost")),
+    "faulted": ("warning", "warn", Sentence("status.faulted", "faulted")),
     "unknown": ("no", "muted", ""),
 }
 
@@ -264,8 +314,9 @@ def _drivers_row(
 ) -> Row:
     row: list[Piece] = [(" ", "plain")]
     for driver, name in named:
-        sign, look, word = _HEALTH.get(driver.health, _HEALTH["unknown"])
-        row.append((f"{getattr(glyphs, sign)} {clean(name)}{word}", look))
+        sign, look, state_word = _HEALTH.get(driver.health, _HEALTH["unknown"])
+        how = f" {word(state_word)}" if state_word else ""
+        row.append((f"{getattr(glyphs, sign)} {clean(name)}{how}", look))
         changed = state.session.modes.get(driver.name)
         if changed is not None and changed.now not in ("", "normal"):
             row.append((f" {changed.now}", "wait"))
@@ -284,15 +335,17 @@ def _troubles(state: ConsoleState, glyphs: Glyphs, line: StatusInfo) -> Row:
     row: Row = ()
     names = ", ".join(map(clean, state.study.seers.values()))
     if names and state.keeps:
-        row += ((f" {names} sees all ", "wait"),)
+        row += ((f" {say('status.sees_all', '{names} sees all', names=names)} ", "wait"),)
     ill = any(
         driver.health in ("lost", "faulted") or driver_trouble(state, driver.name)
         for driver in state.drivers.values()
     )
     if ill and line.drivers:
-        row += ((f" {line.drivers} ", "key"), (" why ", "warn"))
+        row += ((f" {line.drivers} ", "key"), (f" {say('status.why', 'why')} ", "warn"))
     if failed := len(state.runs.unseen()):
-        row += ((f" {glyphs.failed} {failed} failed: {line.failures} ", "alarm"),)
+        key = line.failures
+        told = say("status.failed", "{number} failed: {key}", number=failed, key=key)
+        row += ((f" {glyphs.failed} {told} ", "alarm"),)
     return row
 
 

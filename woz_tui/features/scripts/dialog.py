@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from woz_tui.config.screen_language import say
+from woz_tui.config.screen_language import say, word
 from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.drawing.cells import clean
 from woz_tui.console.screens.dialog import ConsoleApp, EntryDialog
@@ -29,7 +29,7 @@ def open_edit(app: ConsoleApp) -> None:
             )
         )
     elif HIDDEN_TEXT in (said, app.state.sentence(name)):
-        app.news(KEPT)
+        app.news(word(KEPT))
     else:
         app.open_dialog(EditLineDialog(app.state, str(said)))
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from rich.cells import cell_len
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Piece, Row, clean, cut, fit
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.number_text import age
-from woz_tui.session.redactor import HIDDEN
 
 #: Cells that names at the left, values at the right and the tracks between them have where there
 #: are 33 or more; in fewer the value is cut.
@@ -81,12 +81,18 @@ def merge_pieces(cells: list[Piece]) -> Row:
 
 def hidden_row(name: str, frame: MeterFrame) -> Row:
     """The row of something that is kept from the wizard on purpose."""
-    return meter_row(name, ((frame.glyphs.track * frame.track, "faint"),), HIDDEN, "muted", frame)
+    track: Row = ((frame.glyphs.track * frame.track, "faint"),)
+    return meter_row(name, track, hidden_word(), "muted", frame)
+
+
+def hidden_word() -> str:
+    """What stands in place of what is kept from the wizard."""
+    return say("meters.hidden", "hidden")
 
 
 def age_note(t: int, frame: PaintFrame) -> str:
     """How old a value of `t` is that should not be trusted any more."""
-    return f"{frame.glyphs.stale}{age(frame.now - t)} old"
+    return f"{frame.glyphs.stale}{say('meters.old', '{age} old', age=age(frame.now - t))}"
 
 
 def side_by_side(

@@ -11,6 +11,7 @@ from itertools import zip_longest
 
 from rich.cells import cell_len
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Piece, Row, clean, cut, fit, length
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.drawing.meter_rows import (
@@ -18,6 +19,7 @@ from woz_tui.console.drawing.meter_rows import (
     MeterFrame,
     age_note,
     hidden_row,
+    hidden_word,
     meter_row,
     name_piece,
 )
@@ -26,27 +28,29 @@ from woz_tui.console.engagement.sign_bars import distance_bar, queue_bar
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.engagement_text import (
     USUAL_ATTENTION,
-    WORD,
     change_reason,
     count_text,
     is_nobody_there,
     is_used,
+    nothing_seen,
+    roughly,
     run_piece,
     sign_verdict,
+    sign_word,
     signs_of,
     state_row,
+    zone_text,
 )
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.requesters import WATCHER
-from woz_tui.sensing.sample_values import zone
-from woz_tui.session.redactor import HIDDEN, KEPT, perceived_kind
+from woz_tui.session.redactor import KEPT, perceived_kind
 
 #: Lines from which path and reason have a row each, and from which each sign has one.
 MIDDLE, FULL = 8, 14
 #: What was heard stays for so long where it shares its row with the path, in microseconds.
 HEARD_US = 30_000_000
 
-#: Draws the rows of the loudness, given what is said of speech.
+#: Draws the rows of the loudness, given how long somebody has been speaking.
 Loudness = Callable[[ConsoleState, MeterFrame, str], list[Row]]
 
 
@@ -56,9 +60,9 @@ def block_rows(
     """The parts for a session with a model; `loudness` draws the rows that are not the model's."""
     lost = bool(state.lost)
     segment = None if lost else state.engaged.speaking(frame.now)
-    speech = "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
-    loud = loudness(state, frame, speech)
-    asks = _attention_pieces(shown, frame, "" if loud else speech)
+    lasts = "" if segment is None else seconds(frame.now - segment.begin)
+    loud = loudness(state, frame, lasts)
+    asks = _attention_pieces(shown, frame, "" if loud else lasts)
     row = state_row(
         state.engaged,
         shown,
@@ -68,14 +72,18 @@ def block_rows(
         lost=lost,
         watches=state.role == WATCHER,
     )
-    attempt = f" attempt {shown.attempt}" if shown.attempt else ""
+    attempt = ""
+    if shown.attempt:
+        attempt = f" {say('engagement.attempt', 'attempt {number}', number=shown.attempt)}"
     rows: list[Row] = [((" ", "plain"), *row, (attempt, "muted"))]
     heard: list[Row] = []
     if frame.height >= FULL:
-        rows.append((name_piece("now", frame), *(asks or [_dash(frame)])))
+        rows.append((name_piece(say("engagement.now", "now"), frame), *(asks or [_dash(frame)])))
         rows.append(_why(state, frame))
         rows += [_single(name, shown, state, frame) for name in signs_of(shown)]
-        heard.append((name_piece("heard", frame), *_transcript_row(state, frame)))
+        heard.append(
+            (name_piece(say("events.heard", "heard"), frame), *_transcript_row(state, frame))
+        )
     else:
         # What asks for the wizard now with what was just heard, or else what was heard last.
         last = state.engaged.transcripts()[:1]
@@ -83,7 +91,7 @@ def block_rows(
             asks += [("  ", "plain"), quoted(last[0], frame.glyphs)]
         told = asks or _transcript_row(state, frame)
         if [*told] == [_dash(frame)]:
-            told = [("nothing heard yet", "muted")]
+            told = [(say("engagement.nothing_heard", "nothing heard yet"), "muted")]
         rows.append(((" ", "plain"), *told))
         if frame.height >= MIDDLE:
             rows.append(_why(state, frame))
@@ -96,13 +104,16 @@ def block_rows(
 
 
 def _attention_pieces(shown: m.EngagementShown, frame: MeterFrame, unheard: str) -> list[Piece]:
-    """What asks for the wizard at this moment; `unheard`: speech that no other row has."""
+    """What asks for the wizard at this moment; `unheard`: how long speech
+    has lasted that no other row has.
+    """
     glyphs = frame.glyphs
     found: list[Piece] = []
     if (run := run_piece(shown, glyphs, terse=frame.height < FULL)) is not None:
         found += [("  ", "plain"), run]
     if unheard:
-        found += [("  ", "plain"), (f"{glyphs.yes} {unheard}", "good")]
+        speech = say("engagement.speech", "speech {time}", time=unheard)
+        found += [("  ", "plain"), (f"{glyphs.yes} {speech}", "good")]
     if shown.attention not in ("", USUAL_ATTENTION):
         found += [("  ", "plain"), (clean(shown.attention), "wait")]
     return found[1:]
@@ -117,10 +128,10 @@ def _why(state: ConsoleState, frame: MeterFrame) -> Row:
     changes = state.engaged.changes
     last = changes[-1] if changes else state.session.model.changed
     if last is None:
-        return (name_piece("why", frame), _dash(frame))
+        return (name_piece(say("engagement.why", "why"), frame), _dash(frame))
     hand: Row = ((f"{frame.glyphs.forced} ", "wait"),) if last.forced else ()
     return (
-        name_piece("why", frame),
+        name_piece(say("engagement.why", "why"), frame),
         *hand,
         (frame.glyphs.plain(clean(change_reason(last))), "muted"),
     )
@@ -129,7 +140,7 @@ def _why(state: ConsoleState, frame: MeterFrame) -> Row:
 def _transcript_row(state: ConsoleState, frame: MeterFrame) -> Row:
     """What was understood last, and when."""
     if state.perception.hides("transcript"):
-        return ((HIDDEN, "muted"),)
+        return ((hidden_word(), "muted"),)
     so_far, firm = _so_far(state, frame)
     if so_far:
         glyphs = frame.glyphs
@@ -143,7 +154,8 @@ def _transcript_row(state: ConsoleState, frame: MeterFrame) -> Row:
     if not heard:
         return (_dash(frame),)
     last = heard[0]
-    return ((f"{age(frame.now - last.t)} ago ", "muted"), quoted(last, frame.glyphs))
+    ago = say("engagement.ago", "{age} ago", age=age(frame.now - last.t))
+    return ((f"{ago} ", "muted"), quoted(last, frame.glyphs))
 
 
 def _so_far(state: ConsoleState, frame: MeterFrame) -> tuple[str, str]:
@@ -196,15 +208,15 @@ def _pair(
     sign, glyphs, (indent, cells) = shown.signs[name], frame.glyphs, place
     found = sign_verdict(name, shown, glyphs, old=bool(state.lost), sensors=state.sensors)
     is_named = name == "identity" and found.look == "good"
-    told = f"{indent}{found.sign} {found.word if is_named else WORD[name]}"
+    told = f"{indent}{found.sign} {found.word if is_named else sign_word(name)}"
     if is_named and cell_len(told) >= cells:  # who it is comes before how sure that is
         return cut(((told, found.look),), cells + frame.track, glyphs.ellipsis)
     if not is_used(name, shown):
-        back: Row = (("not used", "muted"),)
+        back: Row = ((say("engagement.unused", "not used"), "muted"),)
     elif sign.filter == KEPT:
-        back = ((HIDDEN, "muted"),)
+        back = ((hidden_word(), "muted"),)
     elif sign.forced:
-        back = ((f"{glyphs.forced} by hand", "wait"),)
+        back = ((f"{glyphs.forced} {say('events.by_hand', 'by hand')}", "wait"),)
     elif found.look == "stale":
         back = ((found.word, "stale"),)
     else:
@@ -222,29 +234,30 @@ def _single(name: str, shown: m.EngagementShown, state: ConsoleState, frame: Met
     quiet = found.look == "stale" or sign.forced or not is_used(name, shown)
     bar = queue_bar(sign, frame.track, glyphs, "muted" if quiet else "good")
     if not is_used(name, shown):
-        return meter_row(WORD[name], bar, "not used", "muted", frame)
+        unused = say("engagement.unused", "not used")
+        return meter_row(sign_word(name), bar, unused, "muted", frame)
     if sign.forced:
-        told = f"{found.sign} {found.word} {glyphs.forced} hand"
-        return meter_row(WORD[name], bar, told, "wait", frame)
+        told = f"{found.sign} {found.word} {glyphs.forced} {say('engagement.hand', 'hand')}"
+        return meter_row(sign_word(name), bar, told, "wait", frame)
     value = f"{found.sign} {found.word}"
     counted = f"{value} {count_text(sign)}"
     if found.look != "stale" and cell_len(counted) <= frame.value:
         value = counted
-    return meter_row(WORD[name], bar, value, found.look, frame)
+    return meter_row(sign_word(name), bar, value, found.look, frame)
 
 
 def _distance(state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame) -> list[Row]:
     """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
     sign = shown.signs.get("distance")
-    sensor = state.sensor("distance")
+    sensor, title = state.sensor("distance"), say("meters.distance", "distance")
     if sign is not None and sensor is not None and state.perception.keeps("distance"):
         if state.perception.hides("distance"):
-            return [hidden_row("distance", frame)]
+            return [hidden_row(title, frame)]
         # The wizard sees near and far alone.
         stale = state.is_stale(sensor, frame.now)
-        text = age_note(sensor.t, frame) if stale else sensor.text or "nothing seen"
+        text = age_note(sensor.t, frame) if stale else roughly(sensor.text)
         bar: Row = ((frame.glyphs.track * frame.track, "faint"),)
-        return [meter_row("distance", bar, text, "stale" if stale else "plain", frame)]
+        return [meter_row(title, bar, text, "stale" if stale else "plain", frame)]
     if sign is None or (sign.raw is None and sensor is None):
         return []
     stale = bool(state.lost) or sign.stale
@@ -256,11 +269,14 @@ def _distance(state: ConsoleState, shown: m.EngagementShown, frame: MeterFrame) 
         stale=stale,
     )
     if sign.raw is None:
-        return [meter_row("distance", bar, "nothing seen", "muted", frame)]
-    figure = f"{sign.raw:.2f} m" if sign.raw < 100 else "far"
+        return [meter_row(title, bar, nothing_seen(), "muted", frame)]
+    figure = f"{sign.raw:.2f} m" if sign.raw < 100 else say("meters.far", "far")
     if sign.stale and not state.lost and is_nobody_there(shown):
+        nobody = say("engagement.nobody_there", "nobody there")
         bar = distance_bar(None, shown.social_distance, frame.track, frame.glyphs)
-        return [meter_row("distance", bar, "nobody there", "muted", frame)]
+        return [meter_row(title, bar, nobody, "muted", frame)]
     if stale:
-        return [meter_row("distance", bar, f"{frame.glyphs.stale} {figure} stale", "stale", frame)]
-    return [meter_row("distance", bar, f"{figure} {zone(sign.raw)}", "plain", frame)]
+        stale_word = say("meters.stale", "stale")
+        text = f"{frame.glyphs.stale} {figure} {stale_word}"
+        return [meter_row(title, bar, text, "stale", frame)]
+    return [meter_row(title, bar, f"{figure} {zone_text(sign.raw)}", "plain", frame)]

@@ -18,6 +18,7 @@ from typing import Any
 
 import msgspec
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.link.message_feed import Incoming, Loss, LostPart, OnLost, OnMessages
 from woz_tui.machine.hidden_line import HiddenLine
 from woz_tui.protocol import codec
@@ -40,7 +41,6 @@ WAITING_LIMIT = 1000
 #: A line from the host may be longer than one to it: the welcome holds the whole state.
 LINE_LIMIT = 16 * codec.MAX_LINE
 _READ = 256 * 1024
-_CUT = Loss("the network is cut, or the robot's computer is off", LostPart.LINE)
 #: Bytes within which a refusal of the hello has its end.
 _FIRST = 4096
 
@@ -284,7 +284,7 @@ class HostConnection:
             if self._closed.is_set():
                 return
             if self._ended:
-                loss = Loss("the session has ended")
+                loss = Loss(say("link.ended", "the session has ended"))
             found = self._find(again, loss)
             if found is None:
                 return
@@ -313,26 +313,37 @@ class HostConnection:
             if not ready:
                 if heard_us is not None and now - heard_us > self._silence_us:
                     silent_s = (now - heard_us) / 1e6
-                    return Loss(f"nothing has come from it for {silent_s:.0f} s", LostPart.ANSWER)
+                    why = say(
+                        "link.nothing_came",
+                        "nothing has come from it for {seconds:.0f} s",
+                        seconds=silent_s,
+                    )
+                    return Loss(why, LostPart.ANSWER)
                 continue
             try:
                 data = connection.recv(_READ)
             except BlockingIOError:
                 continue
             except OSError as error:
-                return Loss(f"the connection broke: {error.strerror}")
+                why = say("link.broke", "the connection broke: {why}", why=error.strerror)
+                return Loss(why)
             if not data:
-                return _CUT if self._robot_at else Loss("it closed the connection")
+                if not self._robot_at:
+                    return Loss(say("link.closed_by_it", "it closed the connection"))
+                why = say("link.cut", "the network is cut, or the robot's computer is off")
+                return Loss(why, LostPart.LINE)
             first, heard_us = heard_us is None, now
             lines = (rest + data).split(b"\n")
             rest = lines.pop()
             if len(rest) > LINE_LIMIT:
-                return Loss("it sent a line without end", LostPart.ANSWER)
+                endless = say("link.endless", "it sent a line without end")
+                return Loss(endless, LostPart.ANSWER)
             batch = [_decode(line) for line in lines if line.strip()]
             if first and batch and isinstance(batch[0], Reply) and not batch[0].ok:
-                return Loss(f"it refuses this console: {_refused(batch[0])}", LostPart.ANSWER)
+                why = say("link.refuses", "it refuses this console: {why}", why=_refused(batch[0]))
+                return Loss(why, LostPart.ANSWER)
             self._deliver(batch)
-        return Loss("closed")
+        return Loss(say("link.closed", "closed"))
 
     def _said_goodbye(self) -> bool:
         """Whether this side has left and the host had its time to notice."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.link.message_feed import GONE, Loss, MessageFeed
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.camera_pictures import PictureShown
@@ -19,7 +20,9 @@ HISTORY = 100
 
 def press_to(key: str, what: str) -> str:
     """`press ) to begin one`; `what` may be empty. A key in brackets would not be readable."""
-    return f"press {key} to {what}" if what else f"press {key}"
+    if not what:
+        return say("link.press", "press {key}", key=key)
+    return say("link.press_to", "press {key} to {what}", key=key, what=what)
 
 
 class Connection(Protocol):
@@ -99,10 +102,10 @@ class RobotRequests:
         if not reply.ok:
             key = self._key(reply.command) if reply.command else ""
             if key and reply.command == "release":
-                self._news(f"Stopped. {key} releases", "warn")
+                self._news(say("stop.is_stopped", "Stopped. {key} releases", key=key), "warn")
                 return
             hint = press_to(key, reply.hint) if key else reply.hint
-            self._news("; ".join(part for part in (reply.reason, hint) if part), "warn")
+            self._news("; ".join(part for part in (word(reply.reason), hint) if part), "warn")
 
     def say(self, text: str, on: str, key: str) -> None:
         """Say a typed utterance; `key` opened the dialog."""
@@ -125,6 +128,7 @@ class RobotRequests:
     def _end_answered(self, reply: r.Reply) -> None:
         self.ending = reply.ok
         if reply.ok:
-            self._news("Session ends: the robot takes its rest pose", "warn")
+            told = say("link.ends", "Session ends: the robot takes its rest pose")
+            self._news(told, "warn")
         else:
             self.refused(reply)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from woz_tui.config.screen_language import word
 from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.drawing.key_caps import KeyCap, cap_of, caption, key_name
 from woz_tui.console.screens.dialog import ReportDialog
@@ -57,7 +58,7 @@ class HelpDialog(ReportDialog):
         opens = f"after {key_name(key, self.glyphs)} and Tab" if key else ""
         rows: list[Row] = [(), (("Engagement by hand", "title"), (f"  {opens}", "muted"))]
         for order in OVERRIDES:
-            text = order.text.removeprefix("engagement: ")
+            text = word(order.does)
             rows.append(((fit(order.key, KEY), "strong"), (f"  {text}", "plain")))
         return rows
 

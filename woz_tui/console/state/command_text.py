@@ -5,22 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_tui.config.performers import composers, performers
+from woz_tui.config.screen_language import say
 from woz_tui.console.state.wizard_overrides import is_override, override_text
 from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.markup import sentence
 from woz_tui.protocol.messages import Json
 
-#: Steps of the arrow keys and their like: verb -> argument -> what moves, the words for more and
-#: for less than nothing, and the unit.
-_STEPS: Mapping[str, Mapping[str, tuple[str, str, str, str]]] = {
-    "nudge": {"yaw": ("head", "left", "right", "°"), "pitch": ("head", "down", "up", "°")},
-    "hip": {"pitch": ("hip", "forward", "back", "°"), "roll": ("hip", "left", "right", "°")},
-    "drive": {
-        "x": ("drive", "forward", "back", " m"),
-        "y": ("drive", "left", "right", " m"),
-        "turn": ("turn", "left", "right", "°"),
-    },
+#: Steps of the arrow keys and their like: verb -> its arguments that are steps.
+_STEPS: Mapping[str, frozenset[str]] = {
+    "nudge": frozenset({"yaw", "pitch"}),
+    "hip": frozenset({"pitch", "roll"}),
+    "drive": frozenset({"x", "y", "turn"}),
 }
 #: Verbs that take a name with folders before it, of which the last part says it all.
 _NAMED = frozenset({"play", "sound", "read", "screen"})
@@ -54,15 +50,45 @@ def command_words(command: m.Command | m.FilledCall) -> str:
 
 def _steps_text(verb: str, args: Mapping[str, Json]) -> str:
     """`head 8° left`; nothing where something else is asked for than steps."""
-    known = _STEPS.get(verb, {})
+    known = _STEPS.get(verb, ())
     told: list[str] = []
     for name, value in args.items():
         if name not in known or isinstance(value, bool) or not isinstance(value, int | float):
             return ""
-        what, more, less, unit = known[name]
         if value:
-            told.append(f"{what} {abs(value):g}{unit} {more if value > 0 else less}")
+            told.append(_step(verb, name, abs(value), more=value > 0))
     return ", ".join(told)
+
+
+def _step(verb: str, name: str, by: float, *, more: bool) -> str:
+    match verb, name, more:
+        case "nudge", "yaw", True:
+            return say("runs.head_left", "head {by:g}° left", by=by)
+        case "nudge", "yaw", False:
+            return say("runs.head_right", "head {by:g}° right", by=by)
+        case "nudge", _, True:
+            return say("runs.head_down", "head {by:g}° down", by=by)
+        case "nudge", _, False:
+            return say("runs.head_up", "head {by:g}° up", by=by)
+        case "hip", "pitch", True:
+            return say("runs.hip_forward", "hip {by:g}° forward", by=by)
+        case "hip", "pitch", False:
+            return say("runs.hip_back", "hip {by:g}° back", by=by)
+        case "hip", _, True:
+            return say("runs.hip_left", "hip {by:g}° left", by=by)
+        case "hip", _, False:
+            return say("runs.hip_right", "hip {by:g}° right", by=by)
+        case _, "x", True:
+            return say("runs.drive_forward", "drive {by:g} m forward", by=by)
+        case _, "x", False:
+            return say("runs.drive_back", "drive {by:g} m back", by=by)
+        case _, "y", True:
+            return say("runs.drive_left", "drive {by:g} m left", by=by)
+        case _, "y", False:
+            return say("runs.drive_right", "drive {by:g} m right", by=by)
+        case _, _, True:
+            return say("runs.turn_left", "turn {by:g}° left", by=by)
+    return say("runs.turn_right", "turn {by:g}° right", by=by)
 
 
 def _argument(verb: str, name: str, value: Json) -> str:

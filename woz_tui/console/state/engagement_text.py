@@ -3,57 +3,53 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from rich.cells import cell_len
 
 from woz_tui.config.engagement_words import CONDITION, MODES, SIGNS
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Piece, Row, clean, fit
 from woz_tui.console.drawing.glyphs import Glyphs
+from woz_tui.console.drawing.meter_rows import hidden_word
 from woz_tui.console.drawing.number_text import seconds
 from woz_tui.console.state.engagement import EngagementView
+from woz_tui.console.state.view_models import READING_WORDS
+from woz_tui.console.state.wizard_overrides import SIGN_NAMES
 from woz_tui.protocol import messages as m
-from woz_tui.session.redactor import COARSE, HIDDEN, KEPT
+from woz_tui.protocol.sentence import Sentence
+from woz_tui.sensing.sample_values import zone
+from woz_tui.session.redactor import COARSE, KEPT
 from woz_tui.system.text_cleaning import elapsed
 
 #: From here on the wait for an answer is too long for a visitor: people like an answer within a
 #: second and suffer two (T. Shiwa et al., How quickly should communication robots respond?, HRI
 #: 2008). From the second on our own: long before it, people speak again or turn away.
 SLOW_US, LONG_US = 2_000_000, 5_000_000
-#: A state in a few words, for the diagram and the path: its name is for files and logs.
-SHORT = {
-    "Wait": "nobody",
-    "PersonDetected": "somebody there",
-    "EngagedWithUnknown": "engaged, no name",
-    "Handshake": "asks the name",
-    "EngagedWithKnown": "engaged, known",
-    "UserSpeaks": "visitor speaks",
-    "RobotThinks": "waits for answer",
-    "RobotReplies": "robot answers",
-    "RobotSpeaks": "robot speaks",
-    "stop": "ended",
+#: A state in a few words, for the diagram and the path: its name is for files and logs. The
+#: diagram has no room for words that are longer than the English ones.
+SHORT: Mapping[str, Sentence] = {
+    "Wait": Sentence("engagement.nobody", "nobody"),
+    "PersonDetected": Sentence("engagement.somebody", "somebody there"),
+    "EngagedWithUnknown": Sentence("engagement.no_name", "engaged, no name"),
+    "Handshake": Sentence("engagement.asks_name", "asks the name"),
+    "EngagedWithKnown": Sentence("engagement.known", "engaged, known"),
+    "UserSpeaks": Sentence("engagement.visitor_speaks", "visitor speaks"),
+    "RobotThinks": Sentence("engagement.waits_for_answer", "waits for answer"),
+    "RobotReplies": Sentence("engagement.robot_answers", "robot answers"),
+    "RobotSpeaks": Sentence("engagement.robot_speaks", "robot speaks"),
+    "stop": Sentence("engagement.ended", "ended"),
 }
-#: What a state means for the wizard. `{who}` is `visitor V2`, or `visitor` while nobody knows who;
-#: `{whose}` answer is the wizard's, who is another one where somebody only watches.
-SENTENCES = {
-    "Wait": "nobody there",
-    "PersonDetected": "somebody there, not engaged",
-    "EngagedWithUnknown": "visitor without a name, engaged",
-    "Handshake": "visitor is asked for a name",
-    "EngagedWithKnown": "{who}, engaged",
-    "UserSpeaks": "{who} speaks",
-    "RobotThinks": "{who} waits for {whose} answer",
-    "RobotReplies": "robot answers {who}",
-    "RobotSpeaks": "robot speaks to {who}",
-    "stop": "the model has ended",
-}
-#: The same wait where it has less room.
-_BRIEF = ("waits for your answer", "waits for answer", "waits")
 #: From here on a wait is counted in whole seconds, in microseconds.
 _WHOLE_US = 10_000_000
 #: A sign in a word.
-WORD = {"presence": "person", "gaze": "looks", "distance": "near", "identity": "who?"}
+_WORD: Mapping[str, Sentence] = {
+    "presence": Sentence("engagement.person", "person"),
+    "gaze": Sentence("engagement.looks", "looks"),
+    "distance": Sentence("engagement.near", "near"),
+    "identity": Sentence("engagement.who", "who?"),
+}
 #: The mode of attention that nobody needs to be told.
 USUAL_ATTENTION = MODES[2]
 #: Cells of a state's short name at the most, where nobody has written one.
@@ -67,16 +63,45 @@ _OTHER_HAND = re.compile("^(forced|stepped) by (?!the wizard)")
 
 
 class SignVerdict(NamedTuple):
-    """A verdict: its sign, its word, its look."""
+    """A verdict: its sign, its word, its look; whether it speaks `against` engagement."""
 
     sign: str
     word: str
     look: str
+    against: bool = False
 
 
 def short_state(state: str) -> str:
     """A state in a few words."""
-    return SHORT.get(state) or fit(state, min(_SHORT_CELLS, cell_len(clean(state))))
+    if state in SHORT:
+        return word(SHORT[state])
+    return fit(state, min(_SHORT_CELLS, cell_len(clean(state))))
+
+
+def sign_word(name: str) -> str:
+    """A sign in a word that says what it is if it is there."""
+    return word(_WORD.get(name, name))
+
+
+def sign_name(name: str) -> str:
+    """What the screen calls a sign."""
+    return word(SIGN_NAMES.get(name, name))
+
+
+def zone_text(metres: float) -> str:
+    """Hall's space at a distance."""
+    name = zone(metres)
+    return word(READING_WORDS.get(name, name))
+
+
+def nothing_seen() -> str:
+    """What a distance says that measures nothing."""
+    return say("meters.nothing_seen", "nothing seen")
+
+
+def roughly(text: str) -> str:
+    """What is shown in place of a value that the wizard may see roughly alone."""
+    return word(READING_WORDS.get(text, text)) or nothing_seen()
 
 
 def signs_of(shown: m.EngagementShown) -> list[str]:
@@ -116,36 +141,40 @@ def sign_verdict(
     """
     sign = shown.signs.get(name, m.SignShown())
     if sign.filter == KEPT:
-        return SignVerdict(glyphs.middle, HIDDEN, "muted")
+        return SignVerdict(glyphs.middle, hidden_word(), "muted")
     if sign.stale and not (old or sign.forced) and is_nobody_there(shown):
         there = not has_no_sensor(sign) or name in (each.rpartition(".")[2] for each in sensors)
         if there and name in CONDITION:
-            return SignVerdict(glyphs.no, "nobody", "muted")
+            return SignVerdict(glyphs.no, say("engagement.nobody", "nobody"), "muted")
     if old or (sign.stale and not sign.forced):
-        return SignVerdict(glyphs.stale, "no sensor" if has_no_sensor(sign) else "stale", "stale")
+        told = say("meters.stale", "stale")
+        if has_no_sensor(sign):
+            told = say("engagement.no_sensor", "no sensor")
+        return SignVerdict(glyphs.stale, told, "stale")
     if name not in CONDITION:
         known = sign.name not in _UNKNOWN
-        named = clean(sign.name) if known else "unknown"
+        named = clean(sign.name) if known else say("meters.unknown", "unknown")
         return SignVerdict(glyphs.yes if known else glyphs.no, named, "good" if known else "muted")
     if sign.verdict is None:
-        return SignVerdict("?", "not yet", "muted")
-    return (
-        SignVerdict(glyphs.yes, "yes", "good")
-        if sign.verdict
-        else SignVerdict(glyphs.no, "no", "muted")
-    )
+        return SignVerdict("?", say("engagement.not_yet", "not yet"), "muted")
+    if sign.verdict:
+        return SignVerdict(glyphs.yes, say("meters.says_yes", "yes"), "good")
+    return SignVerdict(glyphs.no, say("meters.says_no", "no"), "muted", against=True)
 
 
 def count_text(sign: m.SignShown) -> str:
     """`5 of 8`, for a joint filter `87 %`."""
     if sign.places <= 0:
         return ""
-    return f"{sign.count} %" if _in_per_cent(sign) else f"{sign.count} of {sign.places}"
+    if _in_per_cent(sign):
+        return f"{sign.count} %"
+    return say("engagement.count", "{done} of {places}", done=sign.count, places=sign.places)
 
 
 def needed_text(sign: m.SignShown) -> str:
     """`needs 4`."""
-    return f"needs {sign.needed}{' %' if _in_per_cent(sign) else ''}"
+    needed = f"{sign.needed}{' %' if _in_per_cent(sign) else ''}"
+    return say("engagement.needs", "needs {needed}", needed=needed)
 
 
 def _in_per_cent(sign: m.SignShown) -> bool:
@@ -158,12 +187,40 @@ def state_sentence(
 ) -> str:
     """A state in words for a person: `visitor V2, engaged`. `watches`: who plays is another one."""
     name = "" if visitor in _UNKNOWN else clean(visitor)
-    said = {
-        "who": f"visitor {name}" if name else "visitor",
-        "whose": "the wizard's" if watches else "your",
-    }
-    told = SENTENCES[state].format_map(said) if state in SENTENCES else clean(state)
+    who = say("engagement.visitor", "visitor")
+    if name:
+        who = say("engagement.visitor_named", "visitor {name}", name=name)
+    told = _sentence(state, who, watches=watches)
     return glyphs.plain(told) if glyphs is not None else told
+
+
+def _sentence(state: str, who: str, *, watches: bool) -> str:
+    match state:
+        case "Wait":
+            return say("engagement.nobody_there", "nobody there")
+        case "PersonDetected":
+            return say("engagement.not_engaged_yet", "somebody there, not engaged")
+        case "EngagedWithUnknown":
+            return say("engagement.nameless", "visitor without a name, engaged")
+        case "Handshake":
+            return say("engagement.is_asked", "visitor is asked for a name")
+        case "EngagedWithKnown":
+            return say("engagement.who_engaged", "{who}, engaged", who=who)
+        case "UserSpeaks":
+            return say("engagement.who_speaks", "{who} speaks", who=who)
+        case "RobotThinks" if watches:
+            return say(
+                "engagement.waits_for_wizard", "{who} waits for the wizard's answer", who=who
+            )
+        case "RobotThinks":
+            return say("engagement.waits_for_you", "{who} waits for your answer", who=who)
+        case "RobotReplies":
+            return say("engagement.answers_who", "robot answers {who}", who=who)
+        case "RobotSpeaks":
+            return say("engagement.speaks_to", "robot speaks to {who}", who=who)
+        case "stop":
+            return say("engagement.model_ended", "the model has ended")
+    return clean(state)
 
 
 def state_row(
@@ -185,7 +242,7 @@ def state_row(
         return ((f"{glyphs.stale} {told}", "stale"),)
     waited = engaged.waited(now)
     if engaged.off:
-        return ((f"{glyphs.stopped} the model is off", "warn"),)
+        return ((f"{glyphs.stopped} {say('engagement.is_off', 'the model is off')}", "warn"),)
     if waited is None:
         sign: Piece = (f"{glyphs.yes} ", "good") if shown.engaged else (f"{glyphs.no} ", "muted")
         lasted = f" {elapsed(max(0, now - shown.since))}"
@@ -197,9 +254,14 @@ def state_row(
         figure = f"{waited // 1_000_000} s" if waited < 100_000_000 else elapsed(waited)
     presence = shown.signs.get("presence")
     if presence is not None and presence.verdict == 0:
-        figure += ", not seen"  # nobody is lost while the robot thinks: they may have gone
-    brief = ["waits for your answer", "waits for answer", "waits"]
-    brief = brief[1:] if watches else brief
+        # Nobody is lost while the robot thinks: they may have gone.
+        figure = say("engagement.unseen", "{time}, not seen", time=figure)
+    brief = [
+        say("engagement.waits_for_answer", "waits for answer"),
+        say("engagement.waits", "waits"),
+    ]
+    if not watches:
+        brief.insert(0, say("engagement.waits_for_yours", "waits for your answer"))
     for text in (f"{words}, {figure}" for words in (told, *brief)):
         if cell_len(text) + 2 <= room:
             break
@@ -213,14 +275,16 @@ def state_row(
 def run_piece(shown: m.EngagementShown, glyphs: Glyphs, *, terse: bool = False) -> Piece | None:
     """Whether the machine does not run by itself, and where it would go."""
     if shown.run == "off":
-        return (f"{glyphs.stopped} off", "warn")
+        return (f"{glyphs.stopped} {say('engagement.is_switched_off', 'off')}", "warn")
     if shown.run != "hold":
         return None
-    if not shown.next:
-        return (f"{glyphs.stopped} held", "warn")
-    if terse:
-        return (f"{glyphs.stopped} held {glyphs.next} {short_state(shown.next)}", "warn")
-    return (f"{glyphs.stopped} held: next {short_state(shown.next)}", "warn")
+    held = say("engagement.held", "held")
+    if shown.next:
+        state = short_state(shown.next)
+        held = f"{held} {glyphs.next} {state}"
+        if not terse:
+            held = say("engagement.held_next", "held: next {state}", state=state)
+    return (f"{glyphs.stopped} {held}", "warn")
 
 
 def path_row(shown: m.EngagementShown, width: int, glyphs: Glyphs) -> Row:
@@ -244,16 +308,19 @@ def condition_row(
     """`not engaged: presence yes AND gaze no (2 of 8, needs 4) AND near yes`; `brief`: without
     figures.
     """
-    row: Row = (("engaged", "good") if shown.engaged else ("not engaged", "warn"),)
+    row: Row = ((say("engagement.not_engaged", "not engaged"), "warn"),)
+    if shown.engaged:
+        row = ((say("engagement.engaged", "engaged"), "good"),)
+    both, by_hand = say("engagement.and", "AND"), say("events.by_hand", "by hand")
     for number, name in enumerate(shown.uses):
         sign = shown.signs.get(name, m.SignShown())
         found = sign_verdict(name, shown, glyphs, old=old)
-        word = "near" if name == "distance" else clean(name)
-        row += ((" AND " if number else ": ", "muted"), (f"{word} {found.word}", found.look))
-        if found.word == "no" and not (brief or sign.forced) and sign.places > 0:
+        told = sign_word(name) if name == "distance" else clean(sign_name(name))
+        row += ((f" {both} " if number else ": ", "muted"), (f"{told} {found.word}", found.look))
+        if found.against and not (brief or sign.forced) and sign.places > 0:
             row += ((f" ({count_text(sign)}, {needed_text(sign)})", "muted"),)
         if sign.forced:
-            row += ((f" {glyphs.forced}{'' if brief else ' by hand'}", "wait"),)
+            row += ((f" {glyphs.forced}{'' if brief else f' {by_hand}'}", "wait"),)
     return row
 
 

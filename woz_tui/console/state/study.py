@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.state.feature_notes import AllNotes, StudyNews
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.session_state import SessionState
@@ -76,9 +77,14 @@ class StudyView:
                 first = self.session.study.last_ended is None
                 missing = self.unticked() if first else []
                 if missing:
-                    what = "item is" if len(missing) == 1 else "items are"
-                    text = f"{len(missing)} preflight {what} not ticked"
-                    self._news.append(StudyNews(text, "warn", command=("preflight", "list them")))
+                    text = say(
+                        "rows.unticked",
+                        "{count} preflight items are not ticked",
+                        one="1 preflight item is not ticked",
+                        count=len(missing),
+                    )
+                    helps = ("preflight", say("rows.list_them", "list them"))
+                    self._news.append(StudyNews(text, "warn", command=helps))
 
     def follow(self) -> None:
         """Take over what `session` holds."""

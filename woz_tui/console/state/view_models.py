@@ -65,6 +65,25 @@ SENSOR_STATES: Mapping[str, Sentence] = {
 }
 
 
+#: What stands for a reading: a distance by Hall's spaces, what is shown roughly, and what a robot
+#: feels.
+READING_WORDS: Mapping[str, Sentence] = {
+    "intimate": Sentence("meters.intimate", "intimate"),
+    "personal": Sentence("meters.personal", "personal"),
+    "social": Sentence("meters.social", "social"),
+    "public": Sentence("meters.public", "public"),
+    "near": Sentence("meters.near", "near"),
+    "far": Sentence("meters.far", "far"),
+    "loud": Sentence("meters.loud", "loud"),
+    "quiet": Sentence("meters.quiet", "quiet"),
+    "free": Sentence("meters.free", "free"),
+    "touched": Sentence("meters.touched", "touched"),
+    "pressed": Sentence("meters.pressed", "pressed"),
+    "no": Sentence("meters.says_no", "no"),
+    "yes": Sentence("meters.says_yes", "yes"),
+}
+
+
 class DriverView(NamedTuple):
     """A driver's health: unknown, connecting, connected, lost or faulted; since `t`."""
 

@@ -8,52 +8,128 @@ from dataclasses import dataclass, field
 
 from woz_tui.config.engagement_words import STATES
 from woz_tui.config.performers import ENGAGEMENT
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean, cut, length
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.state.engagement import HOLD, OFF, EngagementView
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import EngagementShown, Json
 from woz_tui.protocol.requests import AskVerb
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.sensing.state_machine import State, named_from
 
 
 @dataclass(frozen=True, slots=True)
 class Override:
     """One thing that the wizard can do to the model: its id and key, one or two words for the
-    legend, a sentence for the lists, the request. Without a verb a dialog must be filled in first.
+    legend, what it does, the request. Without a verb a dialog must be filled in first.
     """
 
     id: str
     key: str
-    word: str
-    text: str
+    brief: Sentence
+    does: Sentence
     verb: str = ""
     args: Mapping[str, Json] = field(default_factory=dict)
 
+    @property
+    def text(self) -> str:
+        """What it does, for lists that have other things, too."""
+        return say("engagement.of_model", "engagement: {does}", does=word(self.does))
+
 
 OVERRIDES = (
-    Override("presence", "p", "person", "engagement: somebody is there, or nobody (by hand)",
-             "toggle", {"sign": "presence"}),
-    Override("gaze", "g", "looks", "engagement: looks at the robot, or away (by hand)",
-             "toggle", {"sign": "gaze"}),
-    Override("near", "d", "near", "engagement: near enough, or too far (by hand)",
-             "toggle", {"sign": "distance"}),
-    Override("sensors", "s", "sensors", "engagement: all signs back to their sensors",
-             "sense", {"sign": "all", "value": "sensor"}),
-    Override("identity", "i", "identity", "engagement: who it is (by hand)"),
-    Override("hold", "h", "hold/run", "engagement: hold it in this state, or let it run",
-             "engagement", {"run": HOLD}),
-    Override("step", "n", "step", "engagement: make the one change that is held back",
-             "engagement", {"run": "step"}),
-    Override("force", "f", "force", "engagement: force a state, whatever the signs say"),
-    Override("off", "o", "off/run", "engagement: switch the model off, or on",
-             "engagement", {"run": OFF}),
-    Override("visitor", "v", "visitor", "engagement: name the visitor who stands there"),
-    Override("greeted", "k", "known", "engagement: the visitor has said a name",
-             "handshake", {"what": "ok"}),
-    Override("unknown", "x", "unknown", "engagement: the visitor has said no name",
-             "handshake", {"what": "fail"}),
-)  # fmt: skip
+    Override(
+        "presence",
+        "p",
+        Sentence("engagement.person", "person"),
+        Sentence("engagement.does_presence", "somebody is there, or nobody (by hand)"),
+        "toggle",
+        {"sign": "presence"},
+    ),
+    Override(
+        "gaze",
+        "g",
+        Sentence("engagement.looks", "looks"),
+        Sentence("engagement.does_gaze", "looks at the robot, or away (by hand)"),
+        "toggle",
+        {"sign": "gaze"},
+    ),
+    Override(
+        "near",
+        "d",
+        Sentence("engagement.near", "near"),
+        Sentence("engagement.does_near", "near enough, or too far (by hand)"),
+        "toggle",
+        {"sign": "distance"},
+    ),
+    Override(
+        "sensors",
+        "s",
+        Sentence("engagement.key_sensors", "sensors"),
+        Sentence("engagement.does_sensors", "all signs back to their sensors"),
+        "sense",
+        {"sign": "all", "value": "sensor"},
+    ),
+    Override(
+        "identity",
+        "i",
+        Sentence("engagement.key_identity", "identity"),
+        Sentence("engagement.does_identity", "who it is (by hand)"),
+    ),
+    Override(
+        "hold",
+        "h",
+        Sentence("engagement.key_hold", "hold/run"),
+        Sentence("engagement.does_hold", "hold it in this state, or let it run"),
+        "engagement",
+        {"run": HOLD},
+    ),
+    Override(
+        "step",
+        "n",
+        Sentence("engagement.key_step", "step"),
+        Sentence("engagement.does_step", "make the one change that is held back"),
+        "engagement",
+        {"run": "step"},
+    ),
+    Override(
+        "force",
+        "f",
+        Sentence("engagement.key_force", "force"),
+        Sentence("engagement.does_force", "force a state, whatever the signs say"),
+    ),
+    Override(
+        "off",
+        "o",
+        Sentence("engagement.key_off", "off/run"),
+        Sentence("engagement.does_off", "switch the model off, or on"),
+        "engagement",
+        {"run": OFF},
+    ),
+    Override(
+        "visitor",
+        "v",
+        Sentence("engagement.visitor", "visitor"),
+        Sentence("engagement.does_visitor", "name the visitor who stands there"),
+    ),
+    Override(
+        "greeted",
+        "k",
+        Sentence("engagement.key_greeted", "known"),
+        Sentence("engagement.does_greeted", "the visitor has said a name"),
+        "handshake",
+        {"what": "ok"},
+    ),
+    Override(
+        "unknown",
+        "x",
+        Sentence("meters.unknown", "unknown"),
+        Sentence("engagement.does_unknown", "the visitor has said no name"),
+        "handshake",
+        {"what": "fail"},
+    ),
+)
 BY_KEY = {order.key: order for order in OVERRIDES}
 KEYS = frozenset(BY_KEY)
 
@@ -100,17 +176,27 @@ def forceable(shown: EngagementShown | None) -> list[tuple[str, str]]:
     return [*found, *((state, "") for state in rest)]
 
 
-_RUNS = {"run": "runs", "hold": "held", "off": "off", "step": "one step"}
-_FLAGS = {"on": "yes", "off": "no", "sensor": "back to its sensor"}
-#: Verbs of the model in words, with their arguments.
-_SENTENCES = {
-    "toggle": "{sign} the other way, by hand",
-    "force": "force {to}",
-    "social_distance": "near: up to {metres} m",
-    "attend": "attention {mode}",
-    "handshake": "handshake {what} {code}",
+#: How the model runs.
+_RUNS: Mapping[str, Sentence] = {
+    "run": Sentence("engagement.runs", "runs"),
+    "hold": Sentence("engagement.held", "held"),
+    "off": Sentence("engagement.is_switched_off", "off"),
+    "step": Sentence("engagement.one_step", "one step"),
+}
+#: What a sign is set to.
+_FLAGS: Mapping[str, Sentence] = {
+    "on": Sentence("meters.says_yes", "yes"),
+    "off": Sentence("meters.says_no", "no"),
+    "sensor": Sentence("engagement.to_sensor", "back to its sensor"),
 }
 Args = Mapping[str, Json]
+#: A sign by its name.
+SIGN_NAMES: Mapping[str, Sentence] = {
+    "presence": Sentence("engagement.presence", "presence"),
+    "gaze": Sentence("engagement.gaze", "gaze"),
+    "distance": Sentence("engagement.distance", "distance"),
+    "identity": Sentence("engagement.identity", "identity"),
+}
 
 
 def override_text(verb: str, args: Args) -> str:
@@ -120,18 +206,29 @@ def override_text(verb: str, args: Args) -> str:
         case "sense":
             return _sense(texts)
         case "filter":
-            parts = [
-                "filter of",
-                *(texts[each] for each in ("sign", "kind", "samples", "threshold")),
-            ]
-            return " ".join(filter(None, parts))
+            given = (texts[each] for each in ("kind", "samples", "threshold"))
+            values = " ".join(filter(None, (_sign(texts), *given)))
+            return say("engagement.filter_of", "filter of {values}", values=values)
         case "visitor":
-            parts = [f"visitor {texts['code']}", texts["age_group"], texts["address"]]
-            return ", ".join(filter(None, parts))
+            named = say("engagement.visitor_named", "visitor {name}", name=texts["code"])
+            return ", ".join(filter(None, (named, texts["age_group"], texts["address"])))
         case "engagement":
-            return f"engagement {_RUNS.get(texts['run'], texts['run'])}"
-    if verb in _SENTENCES:
-        return _SENTENCES[verb].format_map(texts).rstrip()
+            how = word(_RUNS.get(texts["run"], texts["run"]))
+            return say("engagement.model_runs", "engagement {how}", how=how)
+        case "toggle":
+            sign = _sign(texts)
+            return say("engagement.toggled", "{sign} the other way, by hand", sign=sign)
+        case "force":
+            return say("engagement.forced", "force {to}", to=texts["to"]).rstrip()
+        case "social_distance":
+            metres = texts["metres"]
+            return say("engagement.near_up_to", "near: up to {metres} m", metres=metres)
+        case "attend":
+            return say("engagement.attention", "attention {mode}", mode=texts["mode"]).rstrip()
+        case "handshake":
+            what, code = texts["what"], texts["code"]
+            told = say("engagement.handshake", "handshake {what} {code}", what=what, code=code)
+            return told.rstrip()
     return " ".join(str(part) for part in (verb, *args.values()) if part not in ("", None))
 
 
@@ -155,9 +252,17 @@ def _texts(args: Args) -> defaultdict[str, str]:
 def _sense(texts: Mapping[str, str]) -> str:
     sign, value = texts["sign"], texts["value"]
     if sign == "all" and value == "sensor":
-        return "all signs back to their sensors"
-    shown = _FLAGS.get(value, f"{value} m" if sign == "distance" else value)
-    return f"{sign} {shown}" if value == "sensor" else f"{sign} {shown}, by hand"
+        return say("engagement.does_sensors", "all signs back to their sensors")
+    shown = word(_FLAGS.get(value, f"{value} m" if sign == "distance" else value))
+    named = f"{_sign(texts)} {shown}"
+    if value == "sensor":
+        return named
+    return say("engagement.set_by_hand", "{sign}, by hand", sign=named)
+
+
+def _sign(texts: Mapping[str, str]) -> str:
+    """The sign that is named, as the screen calls it."""
+    return word(SIGN_NAMES.get(texts["sign"], texts["sign"]))
 
 
 def is_override(command: m.Command | m.FilledCall) -> bool:
@@ -179,9 +284,9 @@ def legend_rows(
     if not steers:
         keys = " ".join(order.key for order in OVERRIDES)
         rows[0] = (
-            ("Keys play the robot. ", "muted"),
+            (f"{say('engagement.keys_play', 'Keys play the robot.')} ", "muted"),
             (" tab ", "key"),
-            (" lets you set the model by hand: ", "plain"),
+            (f" {say('engagement.tab_steers', 'lets you set the model by hand:')} ", "plain"),
             (keys, "muted"),
         )
         return [cut(rows[0], width, glyphs.ellipsis)]
@@ -194,12 +299,13 @@ def legend_rows(
             does = shown is not None and shown.state == "Handshake"
         piece: Row = (
             (f" {order.key} ", "key" if does else "muted"),
-            (f" {order.word}  ", "plain" if does else "muted"),
+            (f" {word(order.brief)}  ", "plain" if does else "muted"),
         )
         if rows[-1] and length(rows[-1]) + length(piece) > width:
             rows.append(())
         rows[-1] += piece
     if covered:
         told = ", ".join(f"{key} {clean(label)}" for key, label in covered.items())
-        rows.append(((f"{glyphs.warning} these play nothing meanwhile: {told}", "warn"),))
+        told = say("engagement.covered", "these play nothing meanwhile: {keys}", keys=told)
+        rows.append(((f"{glyphs.warning} {told}", "warn"),))
     return [cut(row, width, glyphs.ellipsis) for row in rows[:HEIGHT]]

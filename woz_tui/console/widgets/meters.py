@@ -13,12 +13,14 @@ from dataclasses import replace
 
 from rich.cells import cell_len
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Cells, Piece, Row, clean, cut_rows, fit, heading, length
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.meter_rows import (
     MeterFrame,
     age_note,
     hidden_row,
+    hidden_word,
     merge_pieces,
     meter_frame,
     meter_row,
@@ -30,12 +32,19 @@ from woz_tui.console.drawing.number_text import SILENCE_DB, decibels
 from woz_tui.console.engagement.meter import block_rows
 from woz_tui.console.engagement.sign_bars import FARTHEST
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.console.state.engagement_text import state_sentence
-from woz_tui.console.state.view_models import SensorView
+from woz_tui.console.state.engagement_text import (
+    nothing_seen,
+    roughly,
+    sign_word,
+    state_sentence,
+    zone_text,
+)
+from woz_tui.console.state.view_models import READING_WORDS, SENSOR_STATES, SensorView
 from woz_tui.console.state.wizard_overrides import is_offered
 from woz_tui.protocol.requesters import WATCHER
-from woz_tui.sensing.sample_values import FLAGS, ZONES, is_share, percent, state_word, zone
-from woz_tui.session.redactor import HIDDEN, perceived_kind
+from woz_tui.protocol.sentence import Sentence
+from woz_tui.sensing.sample_values import FLAGS, ZONES, is_share, percent, state_word
+from woz_tui.session.redactor import perceived_kind
 
 #: What one degree of freedom publishes; with its robot in front where several have the same.
 _JOINT = re.compile(r"(?P<whose>.*\.)?(?P<kind>joint|setpoint)\.(?P<name>.+)")
@@ -63,7 +72,7 @@ def joint_rows(state: ConsoleState, frame: MeterFrame, room: int, others: int) -
     if not joints:
         return []
     if state.perception.hides("joints"):
-        return [hidden_row("pose", frame)]
+        return [hidden_row(say("meters.pose", "pose"), frame)]
     if len(joints) + others <= room:
         return [_joint(state, name, shown, frame) for name, shown in joints.items()]
     members = []
@@ -73,7 +82,7 @@ def joint_rows(state: ConsoleState, frame: MeterFrame, room: int, others: int) -
             unit = _unit(sensor, frame)
             value = "?" if sensor.value is None else f"{round(sensor.value)}{unit}"
             members.append(_member(short, f"{value:<4}", state.is_stale(sensor, frame.now), frame))
-    return _wrapped(name_piece("pose", frame), members, frame, max(1, room - 1))
+    return _wrapped(name_piece(say("meters.pose", "pose"), frame), members, frame, max(1, room - 1))
 
 
 def _joints(state: ConsoleState) -> dict[str, str]:
@@ -210,7 +219,8 @@ def _group_row(
     if all(state.perception.hides(perceived_kind(sensor.name)) for sensor in sensors):
         return hidden_row(name, frame)
     if not any(sensor.value is not None or sensor.text for sensor in sensors):
-        return (name_piece("" if below else name, frame), ("nothing yet", "muted"))
+        nothing = say("meters.nothing_yet", "nothing yet")
+        return (name_piece("" if below else name, frame), (nothing, "muted"))
     for sensor in sensors:
         # What has never been anything, such as a touch of a tablet, does not get old.
         stale = sensor.value is not None and state.is_stale(sensor, frame.now)
@@ -225,8 +235,9 @@ def _sensor_row(sensor: SensorView, state: ConsoleState, frame: MeterFrame) -> R
     ever = sensor.value is not None or sensor.text or sensor.state == "stale"
     stale = bool(ever) and state.is_stale(sensor, frame.now)
     parts = (clean(sensor.text), figure(sensor, frame.glyphs))
-    text = " ".join(part for part in parts if part) or "nothing"
-    told = "" if sensor.state == "ok" else clean(sensor.state)
+    text = " ".join(part for part in parts if part)
+    text = text or say("meters.nothing", "nothing")
+    told = "" if sensor.state == "ok" else _state_text(sensor)
     note = age_note(sensor.t, frame) if stale else told
     room = max(1, frame.width - frame.name - cell_len(note) - 2)
     return (
@@ -240,8 +251,8 @@ def figure(sensor: SensorView, glyphs: Glyphs) -> str:
     """A sensor's value with its unit, always equally many digits behind the point."""
     if sensor.value is None:
         return "" if sensor.text else glyphs.dash
-    if word := state_word(sensor.name, sensor.value):
-        return word
+    if told := state_word(sensor.name, sensor.value):
+        return word(READING_WORDS.get(told, told))
     if is_share(sensor.name, sensor.value, sensor.unit):
         return percent(sensor.value)
     digits = _DIGITS.get(sensor.unit)
@@ -251,6 +262,10 @@ def figure(sensor: SensorView, glyphs: Glyphs) -> str:
     if sensor.unit == "deg":
         return f"{shown}{glyphs.degrees}"
     return f"{shown} {clean(sensor.unit)}".strip()
+
+
+def _state_text(sensor: SensorView) -> str:
+    return clean(word(SENSOR_STATES.get(sensor.state, sensor.state)))
 
 
 #: Rows of meters at the most.
@@ -265,7 +280,7 @@ def meter_rows(state: ConsoleState, space: PaintFrame) -> list[Row]:
     near = [name for name in known if name.endswith("distance")]
     groups = sensor_groups(state, known)
     names = [_short(name) for name in known if name.rpartition(".")[2] in ("distance", "loudness")]
-    names += [f"{robot}visitor" for robot in _robots(known)]
+    names += [_visitor(robot) for robot in _robots(known)]
     names += [sensors[0].name if len(sensors) == 1 else name for name, sensors in groups.items()]
     frame = meter_frame(space, [*names, *_joints(state).values()])
     shown = state.session.model.shown
@@ -291,7 +306,7 @@ def meter_rows(state: ConsoleState, space: PaintFrame) -> list[Row]:
     first = [name for wish in state.settings.sensors for name in parts if _is_named(name, wish)]
     rows = [row for name in dict.fromkeys((*first, *parts)) for row in parts[name]]
     if not rows:
-        rows = [((fit(" no sensor data yet", frame.width), "muted"),)]
+        rows = [((fit(f" {say('meters.no_data', 'no sensor data yet')}", frame.width), "muted"),)]
     return cut_rows(rows, frame)
 
 
@@ -316,13 +331,13 @@ def _distance(state: ConsoleState, name: str, frame: MeterFrame) -> list[Row]:
     ticks = {track_cell(limit / FARTHEST, width): glyphs.tick for limit, _ in ZONES}
     stale = state.is_stale(sensor, frame.now)
     if sensor.value is None:
-        text = age_note(sensor.t, frame) if stale else "nothing seen"
+        text = age_note(sensor.t, frame) if stale else nothing_seen()
         look = "stale" if stale else "muted"
         return [meter_row(_short(name), ruler(width, ticks, {}, glyphs), text, look, frame)]
     spot = {
         track_cell(sensor.value / FARTHEST, width): (glyphs.spot, "stale" if stale else "strong")
     }
-    text = f"{sensor.value:.2f} m {zone(sensor.value)}"
+    text = f"{sensor.value:.2f} m {zone_text(sensor.value)}"
     if stale:
         text = f"{sensor.value:.1f} m {age_note(sensor.t, frame)}"
     look = "stale" if stale else "plain"
@@ -333,7 +348,7 @@ def _coarse(state: ConsoleState, sensor: SensorView, frame: MeterFrame) -> Row:
     """A blurred value in a word, on a track without marks."""
     stale = state.is_stale(sensor, frame.now)
     track_row: Row = ((frame.glyphs.track * frame.track, "faint"),)
-    text = age_note(sensor.t, frame) if stale else sensor.text or "nothing seen"
+    text = age_note(sensor.t, frame) if stale else roughly(sensor.text)
     look = "stale" if stale else "plain"
     return meter_row(_short(sensor.name), track_row, text, look, frame)
 
@@ -341,7 +356,20 @@ def _coarse(state: ConsoleState, sensor: SensorView, frame: MeterFrame) -> Row:
 def _short(name: str) -> str:
     """`distance`, or whose it is: `left dist`."""
     whose, _, kind = name.rpartition(".")
-    return f"{whose} {kind[:4]}" if whose else name
+    told = word(_ROWS.get(kind, kind))
+    return f"{whose} {told[:4]}" if whose else told
+
+
+#: Sensors that have a row of their own, as it is called.
+_ROWS = {
+    "distance": Sentence("meters.distance", "distance"),
+    "loudness": Sentence("meters.loudness", "loudness"),
+}
+
+
+def _visitor(robot: str) -> str:
+    """What the row of a robot's visitor is called."""
+    return f"{robot}{say('meters.visitor', 'visitor')}"
 
 
 def _robots(names: list[str]) -> list[str]:
@@ -350,7 +378,7 @@ def _robots(names: list[str]) -> list[str]:
 
 
 def _loudness_rows(state: ConsoleState, frame: MeterFrame, speech: str) -> list[Row]:
-    """Every microphone's level; `speech` is said of an utterance that is being cut out of it."""
+    """Every microphone's level; `speech`: how long an utterance lasts that is being cut out."""
     loud = [name for name in state.sensors if name.rpartition(".")[2] == "loudness"]
     return [row for name in loud for row in _loudness(state, name, frame, speech)]
 
@@ -375,10 +403,11 @@ def _loudness(state: ConsoleState, name: str, frame: MeterFrame, speech: str = "
     if threshold is not None and threshold.value is not None:
         mark_at = track_cell(1 - decibels(threshold.value) / SILENCE_DB, width)
         cells[mark_at] = (glyphs.tick, "strong")
-    mark = f"{glyphs.yes} voice" if speaking else clean(sensor.state)
+    voice = say("meters.voice", "voice")
+    mark = f"{glyphs.yes} {voice}" if speaking else _state_text(sensor)
     look = "good" if speaking else "warn" if sensor.state in ("clipping", "silent") else "plain"
     if speech and look != "warn":
-        mark, look = speech.replace("speech", glyphs.yes), "good"
+        mark, look = f"{glyphs.yes} {speech}", "good"
     return [meter_row(_short(name), merge_pieces(cells), f"{level:3.0f} dB {mark}", look, frame)]
 
 
@@ -389,39 +418,40 @@ def _verdicts(state: ConsoleState, robot: str, frame: MeterFrame) -> list[Row]:
     """Presence, gaze and identity with a mark each: yes, no, old."""
     glyphs = frame.glyphs
     pieces: list[Piece] = []
-    for name, word in (("presence", "person"), ("gaze", "looks")):
+    for name in ("presence", "gaze"):
+        shown = sign_word(name)
         sensor = state.sensor(f"{robot}{name}")
         if sensor is None:
             continue
         if state.perception.hides(name):
-            mark, told, look = glyphs.middle, f"{word} {HIDDEN}", "muted"
+            mark, told, look = glyphs.middle, f"{shown} {hidden_word()}", "muted"
         elif state.is_stale(sensor, frame.now):
-            mark, told, look = glyphs.stale, word, "stale"
+            mark, told, look = glyphs.stale, shown, "stale"
         elif FLAGS[name](sensor.value):
-            mark, told, look = glyphs.yes, word, "good"
+            mark, told, look = glyphs.yes, shown, "good"
         else:
-            mark, told, look = glyphs.no, word, "muted"
+            mark, told, look = glyphs.no, shown, "muted"
         pieces += [(f"{mark} {told}", look), ("  ", "plain")]
     who = state.sensor(f"{robot}identity")
     if who is not None and state.perception.hides("identity"):
-        pieces.append((f"who {HIDDEN}", "muted"))
+        pieces.append((say("meters.who_hidden", "who hidden"), "muted"))
     elif who is not None:
-        name = clean(who.text) or "unknown"
+        name = clean(who.text) or say("meters.unknown", "unknown")
         look = "stale" if state.is_stale(who, frame.now) else "plain" if who.text else "muted"
         pieces.append((name, look))
-    return [(name_piece(f"{robot}visitor", frame), *pieces)] if pieces else []
+    return [(name_piece(_visitor(robot), frame), *pieces)] if pieces else []
 
 
 def _engagement(state: ConsoleState, frame: MeterFrame) -> list[Row]:
     changed = state.session.model.changed
     if state.perception.hides("engagement") and is_offered(state.engaged, state.verbs):
-        return [hidden_row("engaged", frame)]
+        return [hidden_row(say("meters.engaged", "engaged"), frame)]
     if changed is None:
         return []
     glyphs, watches = frame.glyphs, state.role == WATCHER
     told = state_sentence(changed.now, changed.visitor, glyphs, watches=watches)
     first: Row = (
-        name_piece("engaged", frame),
+        name_piece(say("meters.engaged", "engaged"), frame),
         (told, "strong"),
     )
     marked = []
@@ -448,4 +478,4 @@ class Meters(Cells):
         self.needs = max(self.needs, len(rows) + 1)
         if len(rows) > frame.height - 1:
             rows = meter_rows(state, replace(frame, height=frame.height - 1))
-        self.show([heading("Sensors", frame), *rows])
+        self.show([heading(say("meters.heading", "Sensors"), frame), *rows])

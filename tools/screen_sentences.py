@@ -15,10 +15,14 @@ from pathlib import Path
 import yaml
 
 from tools import ROOT
+from woz_tui.config.keys.console_keys import BUILTIN_KEYS
 from woz_tui.config.screen_language import FOLDER, catalogue
+from woz_tui.protocol.sentence import Sentence
 
 #: What makes a sentence of a code and its English, by module.
 MAKERS = {"woz_tui.protocol.sentence": "Sentence", "woz_tui.config.screen_language": "say"}
+#: Files that make sentences of what is no text of theirs.
+_OF_OTHERS = ("sentence.py", "screen_language.py", "console_keys.py")
 HEAD = """\
 # What the wizard's screen says, made of the program by `make generated`: a file of another language
 # has the same names. What stands between braces is filled in; NAME_one is said where count is 1.
@@ -36,11 +40,19 @@ def sentences() -> dict[str, str]:
         SentencesError: A code has two sentences, or is none.
     """
     found: dict[str, str] = {}
-    for path in sorted((ROOT / "woz_tui").rglob("*.py")):
-        for code, english in _sentences_in(path):
+    sources = [(path, _sentences_in(path)) for path in sorted((ROOT / "woz_tui").rglob("*.py"))]
+    for path, texts in (*sources, (Path("keys.json"), _sentences_of_keys())):
+        for code, english in texts:
             if found.setdefault(code, english) != english:
                 raise SentencesError(f"{path}: {code} is {found[code]!r} elsewhere")
     return dict(sorted(found.items()))
+
+
+def _sentences_of_keys() -> Iterator[tuple[str, str]]:
+    """What the console's keys do, of which the English stands in files of data."""
+    for key in BUILTIN_KEYS:
+        if isinstance(key.description, Sentence):
+            yield key.description.code, str(key.description)
 
 
 def _sentences_in(path: Path) -> Iterator[tuple[str, str]]:
@@ -57,8 +69,8 @@ def _sentences_in(path: Path) -> Iterator[tuple[str, str]]:
         match node.args:
             case [ast.Constant(value=str(code)), ast.Constant(value=str(english))]:
                 yield code, english
-            case _ if path.name in ("sentence.py", "screen_language.py"):
-                continue  # which make them
+            case _ if path.name in _OF_OTHERS:
+                continue
             case _:
                 raise SentencesError(f"{path}:{node.lineno}: a code and a sentence are wanted")
         if code.count(".") != 1:

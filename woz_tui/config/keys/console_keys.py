@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import msgspec
 
 from woz_tui.feature import features
+from woz_tui.protocol.sentence import Sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +41,8 @@ def _keys() -> tuple[BuiltinKey, ...]:
     keys: list[BuiltinKey] = []
     for key in (key for each in rows for key in each):
         behind = (at for at, other in enumerate(keys, 1) if other.id == key.behind)
-        keys.insert(next(behind, len(keys)), key)
+        does = Sentence(f"keys.{key.id}", key.description)
+        keys.insert(next(behind, len(keys)), replace(key, description=does))
     return tuple(keys)
 
 

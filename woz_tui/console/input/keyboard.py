@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from woz_tui.config.keys.console_keys import BuiltinKey
 from woz_tui.config.keys.terminals import STOPS
+from woz_tui.config.screen_language import word
 from woz_tui.console.link.message_feed import MessageFeed
 from woz_tui.protocol.requests import (
     AskAction,
@@ -108,8 +109,8 @@ class ConsoleKey:
 
     @property
     def words(self) -> str:
-        """What it does."""
-        return self.keys[0].description
+        """What it does, in the language of the screen."""
+        return word(self.keys[0].description)
 
 
 class Keyboard:

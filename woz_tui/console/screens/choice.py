@@ -11,9 +11,10 @@ from textual.widget import Widget
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from woz_tui.config.screen_language import word
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import Dialog, EntryDialog, content, plain
+from woz_tui.protocol.sentence import Sentence
 
 T = TypeVar("T")
 
@@ -75,8 +76,8 @@ class ConfirmDialog(ChoiceDialog):
         do: Does it.
     """
 
-    heading = "Are you sure?"
-    hint = "arrows choose · enter · ctrl+q: no"
+    heading = Sentence("dialog.sure", "Are you sure?")
+    hint = Sentence("dialog.choose_no", "arrows choose · enter · ctrl+q: no")
 
     def __init__(self, question: str, name: str, do: Callable[[], object]) -> None:
         super().__init__()
@@ -87,7 +88,8 @@ class ConfirmDialog(ChoiceDialog):
 
     def choices(self) -> Sequence[ListChoice]:
         """No comes first."""
-        return [ListChoice(plain("No")), ListChoice(plain(f"Yes: {self._label}"), self._do)]
+        yes = say("dialog.say_yes", "Yes: {what}", what=self._label)
+        return [ListChoice(plain(say("dialog.say_no", "No"))), ListChoice(plain(yes), self._do)]
 
 
 class SearchDialog(EntryDialog, Generic[T]):

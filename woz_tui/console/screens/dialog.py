@@ -25,11 +25,12 @@ from textual.visual import RenderOptions, Visual, VisualType
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from woz_tui.config.screen_language import word
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean, wrap_row
 from woz_tui.console.drawing.partial_update import PartialScreen
 from woz_tui.console.input.keyboard import ConsoleKey
 from woz_tui.protocol.requests import Reply
+from woz_tui.protocol.sentence import Sentence
 
 if TYPE_CHECKING:
     from woz_tui.config.keys.keymap import KeyMap
@@ -184,10 +185,10 @@ def plain(text: str) -> Content:
 
 
 class Dialog(PartialScreen[None], ModalScreen[None]):
-    """A framed dialog. Subclasses give `heading`, `hint` and `body`."""
+    """A framed dialog. Subclasses give `heading`, `hint` and `body`; sentences are worded here."""
 
     heading: str = ""
-    hint: ClassVar[str] = "ctrl+q closes"
+    hint: ClassVar[str] = Sentence("dialog.closes", "ctrl+q closes")
     #: Class of the frame: `wide`, `drawing`, or nothing for a narrow one.
     size_class: ClassVar[str] = ""
     #: Whether the robot is played while it is open; it then has no keys of its own but these, in
@@ -238,7 +239,7 @@ class Dialog(PartialScreen[None], ModalScreen[None]):
     def show_hint(self, hint: str) -> None:
         """Write another hint on the lower edge."""
         for box in self.query(".dialog"):
-            box.border_subtitle = self.glyphs.plain(hint)
+            box.border_subtitle = self.glyphs.plain(word(hint))
 
     def update(self, name: str, text: VisualType) -> None:
         """Show `text` in the `Static` called `name`; a stop may come before there is one."""
@@ -464,7 +465,14 @@ class CompletionDialog(EntryDialog):
         if robots:
             at = robots.index(self.robot) + 1 if self.robot in robots else 0
             self.robot = robots[at % len(robots)]
-        many = f"{self.word}: {self.robot}  (ctrl+o: another)" if len(robots) > 1 else ""
+        many = ""
+        if len(robots) > 1:
+            many = say(
+                "dialog.another",
+                "{word}: {robot}  (ctrl+o: another)",
+                word=word(self.word),
+                robot=self.robot,
+            )
         self.update("robot", plain(many))
         self.adopt()
 

@@ -10,6 +10,7 @@ from pkgutil import resolve_name
 from textual.content import Content
 from textual.widgets import OptionList
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import plain, refusal_text
@@ -19,12 +20,26 @@ from woz_tui.console.widgets.feature_console import EndAnswer, EndQuestion, Feat
 from woz_tui.feature import answers_of, pieces
 from woz_tui.log.file_names import gets_participant
 from woz_tui.protocol.requests import AskKeepTyped, Reply
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.text_cleaning import lasting
 
 #: Names of what is open: who takes part, the typed sentences.
 _WHO, _TYPED = "participant", "typed"
 #: Under which name the answers are kept while the dialog is closed.
 _DRAFT = "LeaveDialog "
+#: What becomes of a session without a participant, once anything has been played, and before that.
+_NOBODY = {
+    True: [
+        Sentence(
+            "leave.nobody_counts",
+            "No participant was given: reports count the session as one without a code",
+        )
+    ],
+    False: [
+        Sentence("leave.nobody_log", "No participant was given: the log has no code"),
+        Sentence("leave.nobody_first", "No participant was given: give it first"),
+    ],
+}
 
 
 @dataclass(slots=True)
@@ -43,44 +58,53 @@ class LeaveDialog(ChoiceDialog):
     is open, with what becomes of it: enter there takes the next answer.
     """
 
-    heading = "Leave"
-
-    hint = "arrows choose · enter · ctrl+q stays"
+    heading = Sentence("leave.heading", "Leave")
+    hint = Sentence("leave.hint", "arrows choose · enter · ctrl+q stays")
 
     def on_mount(self) -> None:
         """Say how an answer is changed, if anything is open."""
         super().on_mount()
         if self._questions:
-            self.show_hint("arrows choose · enter: do it, or the next answer · ctrl+q stays")
+            self.show_hint(
+                say(
+                    "leave.hint_answers",
+                    "arrows choose · enter: do it, or the next answer · ctrl+q stays",
+                )
+            )
 
     def lines(self) -> list[Row]:
         """Where the log is, and what would be cut off."""
         log = self.state.log
-        rows: list[Row] = [(("log: ", "muted"), (log or "none", "plain"))]
+        where = log or say("leave.no_log", "none")
+        rows: list[Row] = [((f"{say('leave.log', 'log:')} ", "muted"), (where, "plain"))]
         if self.state.role == "watcher":  # the end is not offered
             return rows
         warning = self.glyphs.warning
         cut: list[Row] = [((f"{warning} {told}", "warn"),) for told in cut_off(self.state)]
         if gets_participant(log):
-            rows.append(
-                (("The participant's code is added to the file name at the end.", "muted"),)
+            code = say(
+                "leave.code_added", "The participant's code is added to the file name at the end."
             )
+            rows.append(((code, "muted"),))
         return [*rows, *cut]
 
     def choices(self) -> Sequence[ListChoice]:
         """Stay, leave it running, end it; then what is open."""
-        stay = ListChoice(Content("Stay"))
-        leaves = "Leave the session running (woz attach brings you back)"
+        stay = ListChoice(plain(say("leave.stay", "Stay")))
+        leaves = [say("leave.running", "Leave the session running (woz attach brings you back)")]
         if after := self.state.settings.abandon_after:
-            ends = f"it ends by itself after {lasting(after)} without a console"
-            leaves = f"{leaves}\n  {ends} (abandon_after)"
-        leave = ListChoice(Content(leaves), self._leave_running)
+            ends = say(
+                "leave.ends_itself",
+                "it ends by itself after {time} without a console (abandon_after)",
+                time=lasting(after),
+            )
+            leaves.append(f"  {ends}")
+        leave = ListChoice(Content("\n".join(leaves)), self._leave_running)
         self._questions = self._open_questions()
         if self.state.role == "watcher":
             return [stay, leave]
-        end = ListChoice(
-            Content("End the session: the robot rests, the log is finished"), self._end
-        )
+        ends = say("leave.end", "End the session: the robot rests, the log is finished")
+        end = ListChoice(Content(ends), self._end)
         found = [stay, leave, end]
         for each in self._questions:
             line = plain(f"  {self.glyphs.middle} {each.sentences[each.answer]}")
@@ -98,11 +122,8 @@ class LeaveDialog(ChoiceDialog):
             return []
         found = list[OpenQuestion]()
         if self._lacks_participant():
-            who = "No participant was given"
             # Whatever comes before the first code is nobody's: later it would take all away.
-            without = (f"{who}: reports count the session as one without a code",)
-            first = (f"{who}: the log has no code", f"{who}: give it first")
-            found.append(self._open(_WHO, *(without if self._has_begun() else first)))
+            found.append(self._open(_WHO, *map(word, _NOBODY[self._has_begun()])))
         self._of_features, trial_done = dict[str, EndQuestion](), False
         for name, console in pieces("console", FeatureConsole).items():
             if console.at_end is None:
@@ -113,9 +134,19 @@ class LeaveDialog(ChoiceDialog):
                 trial_done = trial_done or each.answers[opened.answer].ends_trial
                 found.append(opened)
         if count := len(typed_sentences(self.state)):
-            typed = f"{count} typed sentence{'' if count == 1 else 's'}"
-            answers = (f"{typed}: in the log only", f"{typed}: also into a copy of your file")
-            found.append(self._open(_TYPED, *answers))
+            log_only = say(
+                "leave.typed_log",
+                "{count} typed sentences: in the log only",
+                one="{count} typed sentence: in the log only",
+                count=count,
+            )
+            copied = say(
+                "leave.typed_copy",
+                "{count} typed sentences: also into a copy of your file",
+                one="{count} typed sentence: also into a copy of your file",
+                count=count,
+            )
+            found.append(self._open(_TYPED, log_only, copied))
         return found
 
     def _lacks_participant(self) -> bool:
@@ -204,7 +235,11 @@ class LeaveDialog(ChoiceDialog):
         """The copy is written, or not: then the session goes on, and says why."""
         if not reply.ok:
             self.requests.drafts.pop(self._draft(_TYPED), None)
-            wrong = f"{refusal_text(reply)}. The session goes on; the sentences are in the log"
+            wrong = say(
+                "leave.not_kept",
+                "{why}. The session goes on; the sentences are in the log",
+                why=refusal_text(reply),
+            )
             self.console_app.news(wrong, "warn")
             return
         self.requests.end_session()

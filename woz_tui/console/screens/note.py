@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from woz_tui.console.screens.dialog import EntryDialog
 from woz_tui.protocol.requests import AskNote, Reply
+from woz_tui.protocol.sentence import Sentence
 
 
 class NoteDialog(EntryDialog):
@@ -11,9 +12,9 @@ class NoteDialog(EntryDialog):
     taken is in the field the next time.
     """
 
-    heading = "Note"
-    hint = "enter writes it · ctrl+q closes"
-    placeholder = "what you saw (codes, no names)"
+    heading = Sentence("note.heading", "Note")
+    hint = Sentence("note.hint", "enter writes it · ctrl+q closes")
+    placeholder = Sentence("note.what", "what you saw (codes, no names)")
 
     def submit(self, text: str) -> None:
         def answered(reply: Reply) -> None:

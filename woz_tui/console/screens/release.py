@@ -6,10 +6,12 @@ from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import ConsoleApp, LiveReportDialog
 from woz_tui.console.state.stop_confirmation import confirmed_words, missing_words
 from woz_tui.protocol.requests import AskRelease
+from woz_tui.protocol.sentence import Sentence
 
 
 def open_release(app: ConsoleApp) -> None:
@@ -31,8 +33,8 @@ class ReleaseDialog(LiveReportDialog):
     the wizard's: nothing is released without a key.
     """
 
-    heading = "Release the stop?"
-    hint = "enter releases · ctrl+q keeps the stop"
+    heading = Sentence("release.heading", "Release the stop?")
+    hint = Sentence("release.hint", "enter releases · ctrl+q keeps the stop")
     indent = 2
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "release", priority=True)]
     _asked = _named = False
@@ -41,25 +43,22 @@ class ReleaseDialog(LiveReportDialog):
         """Who did not confirm, who did."""
         stop = self.state.session.stop
         if stop is None or not stop.settled:
-            return [
-                (("The robot has not confirmed the stop yet.", "warn"),),
-                (("It is released as soon as all have confirmed.", "plain"),),
-            ]
+            waits = say("release.waits", "The robot has not confirmed the stop yet.")
+            later = say("release.later", "It is released as soon as all have confirmed.")
+            return [((waits, "warn"),), ((later, "plain"),)]
         confirmed = confirmed_words(stop, self.state.short_names, parts=False)
         if not stop.missing:
-            return [((f"All have confirmed now: {confirmed}", "good"),)]
+            told = say("release.all", "All have confirmed now: {names}", names=confirmed)
+            return [((told, "good"),)]
         rows: list[Row] = [
             ((f"{self.glyphs.error} {words}", "bad"),)
             for words in missing_words(
                 stop.missing, stop.unreached, stop.parts_missing, self.state.short_names
             )
         ]
-        return [
-            *rows,
-            (("It may still move. Look at it before you release the stop.", "strong"),),
-            (),
-            ((f"confirmed: {confirmed}", "muted"),),
-        ]
+        look = say("release.look", "It may still move. Look at it before you release the stop.")
+        told = say("release.confirmed", "confirmed: {names}", names=confirmed)
+        return [*rows, ((look, "strong"),), (), ((told, "muted"),)]
 
     def refreshed(self) -> None:
         """Follow the confirmations; close when the stop is released."""

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from rich.cells import cell_len
 from textual.widgets import Static
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.robot_settings.completion import (
@@ -25,6 +26,7 @@ from woz_tui.console.screens.dialog import (
 )
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol.robot_outline import RobotOutline
+from woz_tui.protocol.sentence import Sentence
 
 #: Lines of matching utterances under the field, and of matching tags or animations.
 MATCHES, TAGS = 5, 9
@@ -63,10 +65,12 @@ def utterances_of(state: ConsoleState, said: Iterable[str]) -> list[str]:
 class SayDialog(CompletionDialog):
     """Type and say: arrows walk through what was said, tab completes, ctrl+o changes the voice."""
 
-    heading = "Say"
-    hint = "enter says it · tab completes · arrows: history · ctrl+q closes"
-    placeholder = "type what the robot shall say; { for variables"
-    _WITH_TAGS = "type what the robot shall say; { for variables, \\ and ^ for tags"
+    heading = Sentence("say.heading", "Say")
+    hint = Sentence("say.hint", "enter says it · tab completes · arrows: history · ctrl+q closes")
+    placeholder = Sentence("say.type", "type what the robot shall say; {{ for variables")
+    _WITH_TAGS = Sentence(
+        "say.type_tags", "type what the robot shall say; {{ for variables, \\ and ^ for tags"
+    )
 
     verb, word = "say", "voice"
 
@@ -87,7 +91,7 @@ class SayDialog(CompletionDialog):
         """The tags of this voice."""
         if not self.robot:
             self.update("robot", plain("No driver of this session can speak."))
-        self.entry.placeholder = self._WITH_TAGS if self._outline.tags else self.placeholder
+        self.entry.placeholder = word(self._WITH_TAGS if self._outline.tags else self.placeholder)
         self._show_matches()
 
     @property
@@ -118,8 +122,10 @@ class SayDialog(CompletionDialog):
             for offer in shown
         ]
         if len(offered) > TAGS:
-            rows.append(((f"  {self.glyphs.ellipsis} {len(offered) - TAGS} more", "muted"),))
-        self._show(rows or [(("  not a tag of this robot", "muted"),)])
+            more = say("say.more", "{count} more", count=len(offered) - TAGS)
+            rows.append(((f"  {self.glyphs.ellipsis} {more}", "muted"),))
+        nothing = say("say.no_tag", "not a tag of this robot")
+        self._show(rows or [((f"  {nothing}", "muted"),)])
 
     def _show(self, rows: list[Row]) -> None:
         matches_widget = self.query_one("#matches", Static)

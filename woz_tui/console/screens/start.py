@@ -14,6 +14,7 @@ from textual.widget import Widget
 from textual.widgets import Input, RadioButton, RadioSet, Static
 
 from woz_tui.config.participant_pattern import example
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import clean
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.screens.dialog import FormDialog, plain
@@ -24,6 +25,7 @@ from woz_tui.console.widgets.feature_console import (
 )
 from woz_tui.feature import answers_of, pieces
 from woz_tui.protocol.requests import AskSet, Reply
+from woz_tui.protocol.sentence import Sentence
 
 #: What a code may look like if the experiment file does not say.
 PATTERN = r"P\d\d"
@@ -31,7 +33,9 @@ PATTERN = r"P\d\d"
 
 def trial_error(text: str) -> str:
     """Why `text` cannot be a trial's number, or an empty string; it may be left empty."""
-    return "" if not text or text.isdecimal() else f"a trial is a whole number, not {text!r}"
+    if not text or text.isdecimal():
+        return ""
+    return say("start.trial_number", "a trial is a whole number, not {text!r}", text=text)
 
 
 class ConditionButton(RadioButton):
@@ -116,8 +120,8 @@ class StartDialog(FormDialog):
     session, that goes on behind it.
     """
 
-    heading = "Participant"
-    hint = "tab: next · arrows: condition · enter accepts · ctrl+q closes"
+    heading = Sentence("start.heading", "Participant")
+    hint = Sentence("start.hint", "tab: next · arrows: condition · enter accepts · ctrl+q closes")
 
     def __init__(self) -> None:
         super().__init__()
@@ -129,9 +133,10 @@ class StartDialog(FormDialog):
     def body(self) -> Iterable[Widget]:
         """Fields filled in with what holds now."""
         state, study = self.state, self.state.session.study
-        yield Static("Code of the participant (never a name)", classes="caption")
+        caption = say("start.code", "Code of the participant (never a name)")
+        yield Static(plain(caption), classes="caption")
         code = example(state.settings.participant_pattern or PATTERN)
-        pattern = clean(f"e.g. {code}") if code else ""
+        pattern = clean(say("start.example", "e.g. {code}", code=code)) if code else ""
         yield Input(clean(self._present()), placeholder=pattern, id="participant")
         for name, form in _forms().items():
             for field in answers_of(name, form.fields, state, self._present()):
@@ -140,15 +145,21 @@ class StartDialog(FormDialog):
                     yield Input(placeholder=clean(field.hint), id=_input(field))
         yield from self.more_fields()
         if state.plan.conditions:
-            yield Static("Condition", classes="caption one")
+            yield Static(plain(say("start.condition", "Condition")), classes="caption one")
             with ConditionList(id="condition"):
                 for condition in state.plan.conditions:
                     yield ConditionButton(condition, condition == study.condition, self.glyphs)
-        yield Static("Trial (optional)", classes="caption")
+        yield Static(plain(say("start.trial", "Trial (optional)")), classes="caption")
         yield Input("" if study.number is None else str(study.number), id="trial")
         if start := state.session.start:
-            wizard = f"Wizard {clean(start.wizard)}; another" if start.wizard else "Wizard's code"
-            yield Static(f"{wizard}: woz run --wizard CODE", classes="caption")
+            wizard = say("start.wizard", "Wizard's code: woz run --wizard CODE")
+            if start.wizard:
+                wizard = say(
+                    "start.other_wizard",
+                    "Wizard {code}; another: woz run --wizard CODE",
+                    code=clean(start.wizard),
+                )
+            yield Static(plain(wizard), classes="caption")
         yield Static("", id="wrong", classes="wrong")
 
     def more_fields(self) -> Iterable[Widget]:
@@ -224,7 +235,7 @@ class StartDialog(FormDialog):
         """Ask for what stands in the fields, unless something is wrong with it."""
         code = self.query_one("#participant", Input).value.strip()
         trial = self.query_one("#trial", Input).value.strip()
-        wrong = "" if code else "A participant needs a code."
+        wrong = "" if code else say("start.no_code", "A participant needs a code.")
         wrong = wrong or self.wrong_choice() or trial_error(trial)
         self.complain(wrong)
         if not wrong:
@@ -260,7 +271,9 @@ class StartDialog(FormDialog):
 
     def wrong_choice(self) -> str:
         """Why the conditions cannot be as they were chosen, or an empty string."""
-        return "Choose a condition." if self.state.plan.conditions and not self.chosen() else ""
+        if self.state.plan.conditions and not self.chosen():
+            return say("start.choose", "Choose a condition.")
+        return ""
 
     def ask(self, code: str, trial: int | None) -> None:
         """Ask the robot process for it."""

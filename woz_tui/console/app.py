@@ -18,6 +18,7 @@ from woz_tui.config.keys.console_keys import BuiltinKey, builtin_keys_with
 from woz_tui.config.keys.keymap import key_map
 from woz_tui.config.keys.terminals import PLAIN, STOPS, Terminal
 from woz_tui.config.keys.textual_names import from_textual
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.commands import COMMANDS, by_key, calls, hints, open_named
 from woz_tui.console.drawing.cells import clean
 from woz_tui.console.drawing.glyphs import PaintFrame
@@ -57,6 +58,7 @@ from woz_tui.protocol.messages import (
     StopReleased,
 )
 from woz_tui.protocol.requests import AskAction, Reply, Welcome
+from woz_tui.protocol.sentence import Sentence
 
 if TYPE_CHECKING:
     from woz_tui.console.camera.picture_terminal import PictureTerminal
@@ -65,7 +67,17 @@ if TYPE_CHECKING:
 #: Seconds a sentence above the hints stays.
 NEWS_S = 8.0
 #: What a robot lacks whose drivers do not offer the verb of an arrow key.
-_LACKS = {"nudge": "head that can turn (gaze)", "drive": "drive", "hip": "hip to bend"}
+_LACKS = {
+    "nudge": Sentence("app.no_head", "This robot has no head that can turn (gaze)"),
+    "drive": Sentence("app.no_drive", "This robot has no drive"),
+    "hip": Sentence("app.no_hip", "This robot has no hip to bend"),
+}
+#: The same of several robots.
+_ALL_LACK = {
+    "nudge": Sentence("app.no_heads", "No robot here has a head that can turn (gaze)"),
+    "drive": Sentence("app.no_drives", "No robot here has a drive"),
+    "hip": Sentence("app.no_hips", "No robot here has a hip to bend"),
+}
 #: What closes every dialog, as its hint says, wherever a keymap has put `leave`.
 CLOSES = "ctrl+q"
 #: Seconds a pressed key cap stays lit.
@@ -235,7 +247,8 @@ class Console(ScreenApp):
                     self._bind_arrows()
                 case Mistake(console=self.state.console):
                     what = act_text(self.state, message.run, message.action, self.look.glyphs)
-                    self.news(f"Marked as a mistake: {what}", "strong")
+                    told = say("app.mistake", "Marked as a mistake: {what}", what=what)
+                    self.news(told, "strong")
                 case StopPressed(scope="all"):
                     self._stop_changed()
                 case StopReleased():
@@ -252,7 +265,14 @@ class Console(ScreenApp):
         turned, home = turned_away(self.state), self.state.home_action
         if turned and home:
             key, label = self._cap_and_label(home)
-            self.news(f"The robot is still turned away ({turned}); press {key}: {label}", "warn")
+            told = say(
+                "app.turned_away",
+                "The robot is still turned away ({turned}); press {key}: {label}",
+                turned=turned,
+                key=key,
+                label=label,
+            )
+            self.news(told, "warn")
 
     def _connection_lost(self, loss: Loss, local: int) -> None:
         self.keyboard.session_came()
@@ -291,7 +311,8 @@ class Console(ScreenApp):
                 cap = caption(self.caps.get(action, KeyCap("")), self.look.glyphs)
                 label = self.state.label(action)
                 right.append(f"{label} ({cap})" if cap else label)
-            text = f"{text}; right: {' or '.join(right)}"
+            wanted = say("app.or", " or ").join(right)
+            text = say("app.right", "{told}; right: {actions}", told=text, actions=wanted)
         command, does = tiding.command
         key = self._key(command) if command else ""
         return f"{text}; {press_to(key, does)}" if key else text
@@ -313,14 +334,23 @@ class Console(ScreenApp):
         if self._greets:  # this line takes the place of the other, which is an event, too
             self._greets = False
             stop, leave, keys = map(self._key, ("stop", "leave", "help"))
-            self.news(f"{stop} stops the robot; {leave} closes; {keys} lists all keys", "strong")
+            greeting = say(
+                "app.greeting",
+                "{stop} stops the robot; {leave} closes; {keys} lists all keys",
+                stop=stop,
+                leave=leave,
+                keys=keys,
+            )
+            self.news(greeting, "strong")
         start = self.state.session.start
         asks = self.ask_participant and welcome.role == "wizard" and start != self._asked_in
         if asks and not self.state.session.study.participant:
             self._asked_in = start
             self.do("start")  # what was typed meanwhile goes into its first field
         elif self.keyboard.session_came():
-            self.news("Keys pressed during the start were not played", "warn")
+            self.news(
+                say("app.start_keys", "Keys pressed during the start were not played"), "warn"
+            )
 
     def _tell_return(self) -> None:
         """Say that the robot process is back, and which presses did nothing meanwhile."""
@@ -329,16 +359,30 @@ class Console(ScreenApp):
             for action, ended in self.state.runs.outcomes.items()
             if ended.how == "refused" and ended.t > self._lost_t
         }
-        back = self._loss.part.back
+        back = word(self._loss.part.back)
         if self._stop_asked is not None and self.state.session.stop is None:
             self._stop_asked = None
-            self.news(f"{back}; the stop is not pressed: press it again", "warn")
+            again = say(
+                "app.press_again", "{back}; the stop is not pressed: press it again", back=back
+            )
+            self.news(again, "warn")
         elif self._was_stopped and self.state.session.stop is None:
-            self.news(f"{back}; the stop is not pressed any more", "warn")
-            self._list_warning("The stop is not pressed any more", "escape presses it")
+            gone = say("app.stop_gone", "{back}; the stop is not pressed any more", back=back)
+            self.news(gone, "warn")
+            self._list_warning(
+                say("app.stop_released", "The stop is not pressed any more"),
+                say("app.escape_stops", "escape presses it"),
+            )
         elif late:
             why = next(reversed(late.values()))
-            self.news(f"{back}; not played: {', '.join(late)} ({why})", "warn")
+            told = say(
+                "app.back_unplayed",
+                "{back}; not played: {labels} ({why})",
+                back=back,
+                labels=", ".join(late),
+                why=why,
+            )
+            self.news(told, "warn")
         else:
             self.news(back, "good")
 
@@ -436,7 +480,7 @@ class Console(ScreenApp):
         step = self._following()
         if step is None or not step.first:
             return "", ""
-        return self._key(step.key), f"begins {clean(step.begins)}"
+        return self._key(step.key), say("app.begins", "begins {what}", what=clean(step.begins))
 
     def _following(self) -> NextStep | None:
         """What a feature's key goes on to."""
@@ -526,26 +570,35 @@ class Console(ScreenApp):
 
     def _stale(self, chord: str, name: str, ref: int) -> None:
         what = self.state.label(name) or key_name(chord, self.look.glyphs)
-        self.news(f"Not played: {what}. It came too late, or with many keys at once", "warn")
+        late = say(
+            "app.late",
+            "Not played: {what}. It came too late, or with many keys at once",
+            what=what,
+        )
+        self.news(late, "warn")
 
     def _held(self, chord: str, name: str, ref: int) -> None:
         """Who holds a key sees why it does no more; who meant it presses it again later."""
-        self.news(
-            f"{key_name(chord, self.look.glyphs)} ignored: too soon after the last press", "muted"
-        )
+        key = key_name(chord, self.look.glyphs)
+        soon = say("app.too_soon", "{key} ignored: too soon after the last press", key=key)
+        self.news(soon, "muted")
 
     def _alt(self) -> None:
         """Say once what alt does here; the stop has been sent."""
         if not self._alt_told:
             self._alt_told = True
-            self._list_warning("This terminal sends escape with alt", "escape is the stop")
+            self._list_warning(
+                say("app.escape_alt", "This terminal sends escape with alt"),
+                say("app.escape_is_stop", "escape is the stop"),
+            )
             self.paint()
 
     def _prefix(self, prefix: str) -> None:
         if prefix:
             self._end_peek()
             key = key_name(prefix, self.look.glyphs)
-            self.news(f"{key} {self.look.glyphs.ellipsis} waits for its second key", "run")
+            begun = f"{key} {self.look.glyphs.ellipsis}"
+            self.news(say("app.second_key", "{key} waits for its second key", key=begun), "run")
         elif self._news.look == "run":
             self._news_until = 1
             self.paint()
@@ -588,7 +641,8 @@ class Console(ScreenApp):
             action = self.keyboard.asks_first.get(asked.what, asked.what)
             self.ask_words(action, asked.keys, of_order=asked.what != action)
         elif name is None:
-            self.news(f"{key_name(chord, self.look.glyphs)} is not assigned")
+            key = key_name(chord, self.look.glyphs)
+            self.news(say("app.unassigned", "{key} is not assigned", key=key))
         elif dialog is not None and dialog.opened_by == self.commands[name].name:
             self.close_dialog()
         else:
@@ -632,9 +686,13 @@ class Console(ScreenApp):
         own = self.state.own_verbs
         able = [short.get(name, name) for name, verbs in own.items() if verb in verbs]
         if able:
-            return f"Arrow keys move one robot alone, and here are {', '.join(able)}: use a button"
+            return say(
+                "app.several_robots",
+                "Arrow keys move one robot alone, and here are {names}: use a button",
+                names=", ".join(able),
+            )
         robots = {name.partition(".")[0] for name in short} if "." in "".join(short) else {""}
-        return f"{'This robot has no' if len(robots) < 2 else 'No robot here has a'} {_LACKS[verb]}"
+        return word((_LACKS if len(robots) < 2 else _ALL_LACK)[verb])
 
     def _end_peek(self) -> None:
         """Close what ends with any key."""

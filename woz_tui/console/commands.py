@@ -17,7 +17,7 @@ from pkgutil import resolve_name
 from typing import Any
 
 from woz_tui.config.keys.console_keys import BuiltinKey, builtin_key, played_by
-from woz_tui.config.screen_language import word
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.theme import CHOICES, save_theme
 from woz_tui.console.input.keyboard import KeyPress
 from woz_tui.console.screens.dialog import (
@@ -39,6 +39,7 @@ from woz_tui.protocol.requests import (
     AskTakeOver,
     AskVerb,
 )
+from woz_tui.protocol.sentence import Sentence
 
 Run = Callable[[ConsoleApp], object]
 
@@ -75,7 +76,7 @@ def hints(state: ConsoleState, commands: Mapping[str, ConsoleCommand]) -> list[t
         if name == command.name and command.hint is not None
         if command.hint.worth(state) and command.serves(state.role)
     )
-    return [(name, word) for _, name, word in named]
+    return [(name, text) for _, name, text in named]
 
 
 def _row(ids: str, run: Run | None = None, **more: Any) -> ConsoleCommand:
@@ -110,7 +111,7 @@ def _cut(app: ConsoleApp) -> None:
     if active:
         app.requests.ask(AskCancel(run=next(reversed(active))))
     else:
-        app.news("No action is running")
+        app.news(say("app.nothing_runs", "No action is running"))
 
 
 def _suspend(app: ConsoleApp) -> None:
@@ -124,10 +125,24 @@ def _next_colours(app: ConsoleApp) -> None:
     _use_colours(app, CHOICES[(at + 1) % len(CHOICES)])
 
 
+#: What the themes are called, where one was chosen.
+_COLOURS = {
+    "dark": Sentence("app.dark", "Dark"),
+    "light": Sentence("app.light", "Light"),
+    "16": Sentence("app.sixteen", "16"),
+}
+
+
 def _use_colours(app: ConsoleApp, choice: str) -> None:
     app.theme = f"woz-{choice}"
     save_theme(choice, os.environ)
-    app.news(f"{choice.capitalize()} colours, saved as default (--theme auto resets)")
+    app.news(
+        say(
+            "app.colours",
+            "{choice} colours, saved as default (--theme auto resets)",
+            choice=word(_COLOURS[choice]),
+        )
+    )
 
 
 def _colours(name: str, choice: str, words: str) -> ConsoleCommand:
@@ -141,33 +156,48 @@ _COMMANDS = (
     _row(
         "stop stop_too",
         lambda app: app.keyboard.stop("palette"),
-        hint=KeyHint(1, "stop"),
-        also=("stop",),
+        hint=KeyHint(1, Sentence("hint.stop", "stop")),
+        also=(Sentence("find.word_stop", "stop"),),
         users=WATCHER,
     ),
     _row("release", calls("screens.release:open_release"), found=False),
-    _row("say", opens("screens.say:SayDialog"), hint=KeyHint(3, "say")),
+    _row("say", opens("screens.say:SayDialog"), hint=KeyHint(3, Sentence("hint.say", "say"))),
     _row(
         "find find_too",
         opens("screens.find:FindDialog"),
         found=False,
-        hint=KeyHint(4, "find"),
+        hint=KeyHint(4, Sentence("hint.find", "find")),
         users=WATCHER,
     ),
     _row("peek", calls("screens.peek:open_peek"), found=False, users=WATCHER),
-    _row("marker", sends=lambda press: AskMarker(), hint=KeyHint(7, "mark"), users=WATCHER),
-    _row("note", opens("screens.note:NoteDialog"), hint=KeyHint(8, "note"), users=WATCHER),
-    _row("mistake_last", sends=lambda press: AskMistake(), found=False, hint=KeyHint(9, "mistake")),
+    _row(
+        "marker",
+        sends=lambda press: AskMarker(),
+        hint=KeyHint(7, Sentence("hint.mark", "mark")),
+        users=WATCHER,
+    ),
+    _row(
+        "note",
+        opens("screens.note:NoteDialog"),
+        hint=KeyHint(8, Sentence("hint.note", "note")),
+        users=WATCHER,
+    ),
+    _row(
+        "mistake_last",
+        sends=lambda press: AskMistake(),
+        found=False,
+        hint=KeyHint(9, Sentence("hint.mistake", "mistake")),
+    ),
     _row("mistake", opens("screens.mistake:MistakeDialog")),
     _row(
         "cut",
         _cut,
-        hint=KeyHint(0.5, "cut", lambda state: bool(state.runs.composed)),
+        hint=KeyHint(0.5, Sentence("hint.cut", "cut"), lambda state: bool(state.runs.composed)),
     ),
     _row(
         "queue",
         opens("screens.queue:QueueDialog"),
-        hint=KeyHint(0, "queue", lambda state: bool(state.runs.waiting)),
+        hint=KeyHint(0, Sentence("hint.queue", "queue"), lambda state: bool(state.runs.waiting)),
         users=WATCHER,
     ),
     _row("queue_empty", sends=lambda press: AskEmptyQueue()),
@@ -180,7 +210,11 @@ _COMMANDS = (
     _row(
         "unrecorded",
         opens("screens.unrecorded:UnrecordedDialog"),
-        hint=KeyHint(-1, "go on without a record", lambda state: state.unrecorded),
+        hint=KeyHint(
+            -1,
+            Sentence("hint.unrecorded", "go on without a record"),
+            lambda state: state.unrecorded,
+        ),
     ),
     _row("failures", calls("screens.failures:open_failures"), once=True, users=EVERYBODY),
     _row("events", lambda app: app.filter_events(), opens=False, users=EVERYBODY),
@@ -188,7 +222,7 @@ _COMMANDS = (
         "panel_next page_next",
         lambda app: app.walk(1),
         opens=False,
-        hint=KeyHint(12, "panel"),
+        hint=KeyHint(12, Sentence("hint.panel", "panel")),
         users=EVERYBODY,
     ),
     _row("panel_back page_back", lambda app: app.walk(-1), opens=False, users=EVERYBODY),
@@ -214,15 +248,24 @@ _COMMANDS = (
     _row(
         "robot",
         opens("screens.robot:RobotDialog"),
-        hint=KeyHint(6, "robot", _has_robot),
-        also=("volume", "speed", "pitch", "voice"),
+        hint=KeyHint(6, Sentence("hint.robot", "robot"), _has_robot),
+        also=(
+            Sentence("find.word_volume", "volume"),
+            Sentence("find.word_speed", "speed"),
+            Sentence("find.word_pitch", "pitch"),
+            Sentence("find.word_voice", "voice"),
+        ),
         users=EVERYBODY,
     ),
-    _row("move", calls("screens.move:open_move"), hint=KeyHint(10, "gesture", _has_robot)),
+    _row(
+        "move",
+        calls("screens.move:open_move"),
+        hint=KeyHint(10, Sentence("hint.gesture", "gesture"), _has_robot),
+    ),
     _row(
         "camera",
         opens("screens.camera:CameraDialog"),
-        hint=KeyHint(11, "camera", _has_robot),
+        hint=KeyHint(11, Sentence("hint.camera", "camera"), _has_robot),
         users=WATCHER,
     ),
     _row("redraw", lambda app: app.refresh(layout=True), opens=False, users=EVERYBODY),
@@ -230,29 +273,38 @@ _COMMANDS = (
     _row(
         "help",
         opens("screens.help:HelpDialog"),
-        hint=KeyHint(5, "keys"),
-        also=("help", "keys"),
+        hint=KeyHint(5, Sentence("hint.keys", "keys")),
+        also=(Sentence("find.word_help", "help"), Sentence("find.word_keys", "keys")),
         users=WATCHER,
     ),
     _row("suspend", _suspend, users=WATCHER),
     _row(
         "leave",
         opens("screens.leave:LeaveDialog"),
-        hint=KeyHint(13, "leave"),
-        also=("end", "exit", "leave", "close"),
+        hint=KeyHint(13, Sentence("hint.leave", "leave")),
+        also=(
+            Sentence("find.word_end", "end"),
+            Sentence("find.word_exit", "exit"),
+            Sentence("find.word_leave", "leave"),
+            Sentence("find.word_close", "close"),
+        ),
         users=WATCHER,
     ),
     ConsoleCommand(
         (
             BuiltinKey(
-                "keep_typed", "", "put the typed sentences into a copy of the experiment file"
+                "keep_typed",
+                "",
+                Sentence(
+                    "keys.keep_typed", "put the typed sentences into a copy of the experiment file"
+                ),
             ),
         ),
         opens("screens.typed:KeepTypedDialog"),
     ),
-    _colours("dark", "dark", "dark colours"),
-    _colours("light", "light", "light colours"),
-    _colours("sixteen", "16", "the terminal's own sixteen colours"),
+    _colours("dark", "dark", Sentence("keys.dark", "dark colours")),
+    _colours("light", "light", Sentence("keys.light", "light colours")),
+    _colours("sixteen", "16", Sentence("keys.sixteen", "the terminal's own sixteen colours")),
 )
 
 

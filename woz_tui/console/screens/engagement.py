@@ -12,24 +12,26 @@ from textual import events
 
 from woz_tui.config.keys.textual_names import from_textual
 from woz_tui.config.performers import ENGAGEMENT
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.engagement.full_engagement import full_rows
 from woz_tui.console.screens.drawing import DrawingDialog
 from woz_tui.console.screens.engagement_questions import steer
 from woz_tui.console.state.wizard_overrides import BY_KEY, KEYS, legend_rows
+from woz_tui.protocol.sentence import Sentence
 
 _TAKE = frozenset(("tab", "shift+tab"))
 _HINTS = {
-    False: "keys play · tab: by hand · ctrl+q closes",
-    True: "BY HAND · tab: all keys play again · ctrl+q closes",
+    False: Sentence("hand.keys_play", "keys play · tab: by hand · ctrl+q closes"),
+    True: Sentence("hand.steers", "BY HAND · tab: all keys play again · ctrl+q closes"),
 }
 
 
 class EngagementDialog(DrawingDialog):
     """States, signs, the condition, the way, what was said; beneath them what the keys do."""
 
-    heading = "Engagement"
+    heading = Sentence("hand.heading", "Engagement")
     hint = _HINTS[False]
 
     def __init__(self) -> None:
@@ -42,7 +44,7 @@ class EngagementDialog(DrawingDialog):
         if self.state.replay is not None:
             self.own_keys = frozenset()
             self.console_app.give_keys()
-            self.show_hint("ctrl+q closes")
+            self.show_hint(say("dialog.closes", "ctrl+q closes"))
 
     def count(self) -> int:
         """One, in a session with a model that has said something."""
@@ -66,14 +68,12 @@ class EngagementDialog(DrawingDialog):
     def nothing(self) -> str:
         """What stands there in a session without a model."""
         if self.state.perception.hides("engagement"):
-            return "In this experiment the engagement model is kept from you."
+            return say("hand.kept", "In this experiment the engagement model is kept from you.")
         if ENGAGEMENT in self.state.verbs:
-            return "Nothing has come from the engagement model yet."
-        return (
-            "This session has no engagement model.\n"
-            "An experiment gets one by a section in its file:\n"
-            "  engagement: {}"
-        )
+            return say("hand.nothing_yet", "Nothing has come from the engagement model yet.")
+        none = say("hand.none", "This session has no engagement model.")
+        how = say("hand.how", "An experiment gets one by a section in its file:")
+        return f"{none}\n{how}\n  engagement: {{}}"
 
     def on_key(self, event: events.Key) -> None:
         """Take the model into the hand or give it back; with it in hand, its keys."""

@@ -8,6 +8,7 @@ from functools import partial
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import (
@@ -16,6 +17,7 @@ from woz_tui.console.screens.dialog import (
     EntryDialog,
     FormDialog,
     content,
+    plain,
 )
 from woz_tui.console.state.engagement import EngagementView
 from woz_tui.console.state.engagement_text import short_state
@@ -27,6 +29,7 @@ from woz_tui.console.state.wizard_overrides import (
     override_request,
     verb_request,
 )
+from woz_tui.protocol.sentence import Sentence
 
 #: Cells of a state in the list.
 _STATE = 18
@@ -49,7 +52,7 @@ def steer(app: ConsoleApp, order: Override, key: str = "") -> None:
     """The wizard's hand on the engagement model; some orders ask for more first."""
     engaged = app.state.engaged
     if not is_offered(engaged, app.state.verbs):
-        app.news("This session has no engagement model")
+        app.news(say("hand.no_model", "This session has no engagement model"))
         return
     dialog = dialog_for(order, engaged, key)
     if dialog is not None:
@@ -69,14 +72,20 @@ class _OverrideDialog(Dialog):
 class ForceDialog(_OverrideDialog, ChoiceDialog):
     """States and outcomes; the log says that it was the wizard."""
 
-    heading = "Force"
-    hint = "arrows choose · enter forces it · ctrl+q closes"
+    heading = Sentence("hand.force", "Force")
+    hint = Sentence("hand.force_hint", "arrows choose · enter forces it · ctrl+q closes")
 
     def lines(self) -> list[Row]:
         """Where it begins."""
         shown = self.state.session.model.shown
-        here = short_state(shown.state) if shown is not None else "not known"
-        return [(("from ", "muted"), (here, "strong"), ("; the log marks it as forced", "muted"))]
+        here = say("hand.unknown", "not known")
+        if shown is not None:
+            here = short_state(shown.state)
+        begins, marked = (
+            say("hand.from", "from"),
+            say("hand.marked", "; the log marks it as forced"),
+        )
+        return [((f"{begins} ", "muted"), (here, "strong"), (marked, "muted"))]
 
     def choices(self) -> Sequence[ListChoice]:
         """Where an outcome leads from here first, then every other state; the outcome as it is in
@@ -105,9 +114,9 @@ class ForceDialog(_OverrideDialog, ChoiceDialog):
 class IdentityDialog(_OverrideDialog, EntryDialog):
     """Who it is, in place of a camera; an empty line means nobody who is known."""
 
-    heading = "Who is it?"
-    hint = "enter says so · empty: unknown · ctrl+q closes"
-    placeholder = "code of the visitor (never a name)"
+    heading = Sentence("hand.who", "Who is it?")
+    hint = Sentence("hand.who_hint", "enter says so · empty: unknown · ctrl+q closes")
+    placeholder = Sentence("hand.code", "code of the visitor (never a name)")
     default = "Unknown"
 
     def below(self) -> Iterable[Widget]:
@@ -115,7 +124,8 @@ class IdentityDialog(_OverrideDialog, EntryDialog):
         known = list(self.state.engaged.visitors)[-_KNOWN:]
         if known:
             told = ", ".join(clean(name) for name in reversed(known))
-            yield Static(content([((f"known: {told}", "muted"),)]), classes="caption")
+            known_ones = say("hand.known", "known: {names}", names=told)
+            yield Static(content([((known_ones, "muted"),)]), classes="caption")
 
     def submit(self, text: str) -> None:
         self.requests.ask(verb_request("sense", {"sign": "identity", "value": text}, self._key))
@@ -124,19 +134,22 @@ class IdentityDialog(_OverrideDialog, EntryDialog):
 class VisitorDialog(_OverrideDialog, FormDialog):
     """Who stands there, from now on in the store; during a handshake that ends it well."""
 
-    heading = "Visitor"
-    hint = "tab next field · enter accepts · ctrl+q closes"
+    heading = Sentence("hand.visitor", "Visitor")
+    hint = Sentence("hand.visitor_hint", "tab next field · enter accepts · ctrl+q closes")
 
     def body(self) -> Iterable[Widget]:
         """Code, and what the robot may want to know of them."""
         shown = self.state.session.model.shown
         name = shown.visitor if shown is not None else ""
         about = self.state.engaged.visitors.get(name, {})
-        yield Static("Code of the visitor (never a name)", classes="caption")
+        code = say("hand.visitor_code", "Code of the visitor (never a name)")
+        yield Static(plain(code), classes="caption")
         yield Input(clean(name), id="code")
-        yield Static("Age group, such as child or adult (may stay empty)", classes="caption")
+        age = say("hand.age_group", "Age group, such as child or adult (may stay empty)")
+        yield Static(plain(age), classes="caption")
         yield Input(clean(about.get("age_group", "")), id="age_group")
-        yield Static("Form of address (may stay empty)", classes="caption")
+        address = say("hand.address", "Form of address (may stay empty)")
+        yield Static(plain(address), classes="caption")
         yield Input(clean(about.get("address", "")), id="address")
         yield Static("", id="wrong", classes="wrong")
 
@@ -148,7 +161,7 @@ class VisitorDialog(_OverrideDialog, FormDialog):
             for field in ("code", "age_group", "address")
         }
         if not told["code"]:
-            self.complain("A visitor needs a code.")
+            self.complain(say("hand.no_code", "A visitor needs a code."))
             return
         args = {name: value for name, value in told.items() if value}
         self.requests.ask(verb_request("visitor", {**args}, self._key), self.answered)

@@ -7,11 +7,13 @@ from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import ConsoleApp, ReportDialog
 from woz_tui.console.screens.lost import open_lost
 from woz_tui.console.state.remedy_text import remedy_text
 from woz_tui.console.state.running_actions import Failure
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.text_cleaning import elapsed
 
 
@@ -22,14 +24,14 @@ def open_failures(app: ConsoleApp) -> None:
     elif app.state.runs.unseen():
         app.open_dialog(FailuresDialog())
     else:
-        app.news("No new failures")
+        app.news(say("failures.none", "No new failures"))
 
 
 class FailuresDialog(ReportDialog):
     """Each failure with its reason and remedy; enter marks those that stand here as seen."""
 
-    heading = "Failed"
-    hint = "enter: seen, clear them · ctrl+q keeps them"
+    heading = Sentence("failures.heading", "Failed")
+    hint = Sentence("failures.hint", "enter: seen, clear them · ctrl+q keeps them")
     size_class = "wide"
     indent = 9
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "see", priority=True)]
@@ -42,9 +44,10 @@ class FailuresDialog(ReportDialog):
         for failure in reversed(self._listed):
             name = self.state.label(failure.action) if failure.action else failure.what
             front = (" " * self.indent, "plain")
+            why = failure.reason or say("failures.no_reason", "no reason given")
             rows += [
                 ((f"{elapsed(failure.t):>7}  ", "muted"), (f"{self.glyphs.failed} {name}", "bad")),
-                (front, (failure.reason or "no reason given", "plain")),
+                (front, (why, "plain")),
             ]
             if failure.remedy:
                 rows.append((front, (remedy_text(failure.remedy, self.state), "run")))

@@ -13,6 +13,7 @@ from textual.content import Content
 from textual.fuzzy import Matcher
 
 from woz_tui.config.keys.console_keys import played_by
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import clean, fit
 from woz_tui.console.drawing.key_caps import KeyCap, caption, key_name
 from woz_tui.console.screens.choice import ConfirmDialog, SearchDialog
@@ -24,6 +25,7 @@ from woz_tui.console.widgets.feature_console import FeatureConsole
 from woz_tui.feature import answers_of, pieces
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requests import AskAction, AskLock, AskVerb
+from woz_tui.protocol.sentence import Sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,14 +38,34 @@ class OfferedCall:
 
 
 OFFERED_CALLS = (
-    OfferedCall("picture", "picture of its camera, as a file", {}),
-    OfferedCall("record_sound", "record its microphones, on the robot", {"on": True}),
-    OfferedCall("record_sound", "end the recording on the robot", {"on": False}),
-    OfferedCall("listen", "record its microphones, beside the log", {"on": True}),
-    OfferedCall("listen", "end the recording beside the log", {"on": False}),
-    OfferedCall("tablet", "tablet: the default again", {"what": "default"}),
-    OfferedCall("tablet", "tablet: show nothing", {"what": "hide"}),
-    OfferedCall("tablet", "tablet: switch its wifi on", {"what": "wifi"}),
+    OfferedCall("picture", Sentence("find.picture", "picture of its camera, as a file"), {}),
+    OfferedCall(
+        "record_sound",
+        Sentence("find.record_robot", "record its microphones, on the robot"),
+        {"on": True},
+    ),
+    OfferedCall(
+        "record_sound",
+        Sentence("find.end_robot", "end the recording on the robot"),
+        {"on": False},
+    ),
+    OfferedCall(
+        "listen",
+        Sentence("find.record_log", "record its microphones, beside the log"),
+        {"on": True},
+    ),
+    OfferedCall(
+        "listen",
+        Sentence("find.end_log", "end the recording beside the log"),
+        {"on": False},
+    ),
+    OfferedCall(
+        "tablet", Sentence("find.tablet_default", "tablet: the default again"), {"what": "default"}
+    ),
+    OfferedCall("tablet", Sentence("find.tablet_hide", "tablet: show nothing"), {"what": "hide"}),
+    OfferedCall(
+        "tablet", Sentence("find.tablet_wifi", "tablet: switch its wifi on"), {"what": "wifi"}
+    ),
 )
 
 
@@ -103,6 +125,11 @@ def _rank(matcher: Matcher, typed: str, find: SearchItem) -> tuple[int, float]:
     return 0, float(all(piece in find.search.casefold() for piece in pieces))
 
 
+def _search(*texts: str) -> str:
+    """What is searched, in the language of the screen, and in English, which manuals have."""
+    return "; ".join(dict.fromkeys((*map(word, texts), *map(str, texts))))
+
+
 def _begins_words(text: str, pieces: list[str]) -> bool:
     """Whether each piece is where a word of the text begins."""
     words = re.split(r"[\s\W_]+", text.casefold())
@@ -113,10 +140,10 @@ def _begins_words(text: str, pieces: list[str]) -> bool:
 class FindDialog(SearchDialog[SearchItem]):
     """Type, choose with the arrows, enter plays."""
 
-    heading = "Find"
-    hint = "enter plays it · arrows choose · ctrl+q closes"
-    placeholder = "a few letters of an action, its words or its panel"
-    nothing = "Nothing found: other letters, or ctrl+q"
+    heading = Sentence("find.heading", "Find")
+    hint = Sentence("find.hint", "enter plays it · arrows choose · ctrl+q closes")
+    placeholder = Sentence("find.letters", "a few letters of an action, its words or its panel")
+    nothing = Sentence("find.nothing", "Nothing found: other letters, or ctrl+q")
 
     @cached_property
     def _all(self) -> list[SearchItem]:
@@ -162,28 +189,36 @@ class FindDialog(SearchDialog[SearchItem]):
             finds = each.finds
             for found in answers_of(feature, finds, self.state) if finds is not None else ():
                 do = functools.partial(ask, found.request)
-                yield SearchItem(found.name, "", found.what, do, found.name)
+                name = word(found.name)
+                yield SearchItem(name, "", word(found.what), do, _search(found.name))
         for panel in self.state.panels:
             locked = self.state.is_locked(panel)
-            name = f"{'Unlock' if locked else 'Lock'} {panel.title}"
-            asks = "" if locked else f"{name}? Its keys then play nothing."
+            name = Sentence("find.lock", "Lock {panel}", panel=panel.title)
+            asks = say(
+                "find.asks_lock", "Lock {panel}? Its keys then play nothing.", panel=panel.title
+            )
+            if locked:
+                name, asks = Sentence("find.unlock", "Unlock {panel}", panel=panel.title), ""
             do = functools.partial(ask, AskLock(panel=panel.title, locked=not locked))
-            yield SearchItem(name, "", "panel", do, name, asks=asks)
+            what = say("find.panel", "panel")
+            yield SearchItem(word(name), "", what, do, _search(name), asks=asks)
         if is_offered(self.state.engaged, self.state.verbs):
             for order in OVERRIDES:
                 steers = functools.partial(steer, self.console_app, order)
-                asks = f"{order.text}?" if order.id == "off" else ""
-                yield SearchItem(order.text, "", "engagement", steers, order.text, asks=asks)
+                name, what = word(order.text), say("find.engagement", "engagement")
+                asks = f"{name}?" if order.id == "off" else ""
+                yield SearchItem(name, "", what, steers, _search(order.text), asks=asks)
         key = self.console_app.key_of("find")
         for driver, call in offered_calls(self.state):
             args = dict(call.args)
             request = AskVerb(verb=call.verb, args=args, on=driver, source="key", key=key)
-            asks = f"{call.text}?" if call.args.get("on") is False else ""
+            name = word(call.text)
+            asks = f"{name}?" if call.args.get("on") is False else ""
             do = functools.partial(ask, request)
-            yield SearchItem(call.text, "", driver, do, f"{call.text} {call.verb}", asks=asks)
+            yield SearchItem(name, "", driver, do, f"{_search(call.text)} {call.verb}", asks=asks)
 
     def _commands(self) -> Iterable[SearchItem]:
-        app = self.console_app
+        app, console = self.console_app, say("find.console", "console")
         for name, command in app.commands.items():
             bound = name in app.keymap.builtins or not command.keys[0].chord
             serves = bound and command.found and command.serves(self.state.role)
@@ -191,8 +226,8 @@ class FindDialog(SearchDialog[SearchItem]):
                 key, words = key_name(app.key_of(name), self.glyphs), command.words
                 said = quoted(self.state, played_by(name), self.glyphs)
                 do = functools.partial(app.do, name)
-                search = "; ".join((words, *command.also))
-                yield SearchItem(words, key, said or "console", do, search, said)
+                search = _search(command.keys[0].description, *command.also)
+                yield SearchItem(words, key, said or console, do, search, said)
 
     def matching(self, typed: str) -> list[SearchItem]:
         """The best first, in the file's order where they are as good."""

@@ -24,7 +24,7 @@ class HelpDialog(ReportDialog):
     Arrow keys that move what no driver of this session has are left out.
     """
 
-    heading = Sentence("help.heading", "Keys")
+    heading: str = Sentence("help.heading", "Keys")
     hint = Sentence("dialog.scroll", "arrows scroll · ctrl+q closes")
     size_class = "wide"
     indent = KEY + 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.bodies.midi_panel import PanelState, panel_rows
 from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.drawing.glyphs import PaintFrame
@@ -11,13 +12,14 @@ from woz_tui.console.drawing.number_text import age
 from woz_tui.console.screens.drawing import DrawingDialog
 from woz_tui.console.state.driver_outlines import panel_outlines
 from woz_tui.protocol.messages import ControlsMoved
+from woz_tui.protocol.sentence import Sentence
 
 
 class KnobsDialog(DrawingDialog):
     """One panel."""
 
-    heading = "MIDI panel"
-    hint = "keys play · tab: the next panel · ctrl+q closes"
+    heading = Sentence("knobs.heading", "MIDI panel")
+    hint = Sentence("knobs.hint", "keys play · tab: the next panel · ctrl+q closes")
 
     def count(self) -> int:
         return len(panel_outlines(self.state.outlines))
@@ -33,16 +35,14 @@ class KnobsDialog(DrawingDialog):
         )
         driver, old = self.state.drivers.get(outline.driver), ""
         if self.state.lost:
-            old = self.state.lost.part.sentence
+            old = word(self.state.lost.part.sentence)
         elif driver is not None and driver.health == "lost":
-            old = f"lost {age(frame.now - driver.t)} ago"
+            old = say("knobs.lost", "lost {age} ago", age=age(frame.now - driver.t))
         inner = replace(frame, height=frame.height - 1)
         return [title, *panel_rows(PanelState(outline, knobs, old), inner)]
 
     def nothing(self) -> str:
         """What stands there in a session without a panel."""
-        return (
-            "No MIDI panel belongs to this session.\n"
-            "A robot gets one by a line among the drivers of its file:\n"
-            "  panel: {type: midi}"
-        )
+        none = say("knobs.none", "No MIDI panel belongs to this session.")
+        how = say("knobs.how", "A robot gets one by a line among the drivers of its file:")
+        return f"{none}\n{how}\n  panel: {{type: midi}}"

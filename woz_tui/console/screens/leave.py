@@ -58,7 +58,7 @@ class LeaveDialog(ChoiceDialog):
     is open, with what becomes of it: enter there takes the next answer.
     """
 
-    heading = Sentence("leave.heading", "Leave")
+    heading: str = Sentence("leave.heading", "Leave")
     hint = Sentence("leave.hint", "arrows choose · enter · ctrl+q stays")
 
     def on_mount(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.robot_settings.completion import (
     best_match,
@@ -12,6 +13,7 @@ from woz_tui.console.robot_settings.completion import (
 )
 from woz_tui.console.screens.dialog import Completion, CompletionDialog, ConsoleApp, content
 from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.protocol.sentence import Sentence
 
 #: Lines of matching names under the field.
 MATCHES = 8
@@ -28,7 +30,7 @@ def open_move(app: ConsoleApp) -> None:
     if any("play" in verbs for verbs in app.state.verbs.values()):
         app.open_dialog(MoveDialog())
     else:
-        app.news("This robot plays no moves")
+        app.news(say("move.none", "This robot plays no moves"))
 
 
 class MoveDialog(CompletionDialog):
@@ -36,11 +38,11 @@ class MoveDialog(CompletionDialog):
     a whole name; tab puts it in, arrows walk through what was played, ctrl+o takes another robot.
     """
 
-    heading = "Play"
-    hint = "enter plays it · tab completes · arrows: history · ctrl+q closes"
-    placeholder = "the name of a move"
+    heading = Sentence("move.heading", "Play")
+    hint = Sentence("move.hint", "enter plays it · tab completes · arrows: history · ctrl+q closes")
+    placeholder = Sentence("move.name", "the name of a move")
 
-    verb, word = "play", "robot"
+    verb, word = "play", Sentence("move.robot", "robot")
 
     def __init__(self) -> None:
         super().__init__()
@@ -50,8 +52,10 @@ class MoveDialog(CompletionDialog):
         """Names as they are now."""
         self._names = list(dict.fromkeys(known_moves(self.state, self.robot)))
         if self._names:
-            path = ", or its whole path" if any("/" in name for name in self._names) else ""
-            self.entry.placeholder = f"a part of a move's name{path}"
+            part = say("move.part", "a part of a move's name")
+            if any("/" in name for name in self._names):
+                part = say("move.part_or_path", "a part of a move's name, or its whole path")
+            self.entry.placeholder = part
         self.entry.suggester = Completion(self._suggest)
         self.changed(self.entry.value)
 
@@ -68,11 +72,16 @@ class MoveDialog(CompletionDialog):
             for name in found[:MATCHES]
         ]
         if len(found) > MATCHES:
-            more = f"  {self.glyphs.ellipsis} {len(found) - MATCHES} more"
-            rows.append(((more, "muted"),))
+            more = say("say.more", "{count} more", count=len(found) - MATCHES)
+            rows.append(((f"  {self.glyphs.ellipsis} {more}", "muted"),))
         elif typed and not found and typed not in self._names:
-            why = "not in the list" if self._names else "this robot does not list its moves"
-            rows.append(((f"  {why}; it is sent as it is typed", "muted"),))
+            why = say("move.not_listed", "not in the list; it is sent as it is typed")
+            if not self._names:
+                why = say(
+                    "move.no_list",
+                    "this robot does not list its moves; it is sent as it is typed",
+                )
+            rows.append(((f"  {why}", "muted"),))
         self.update("matches", content(rows))
 
     def submit(self, text: str) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from woz_tui.console.screens.dialog import EntryDialog
 from woz_tui.protocol.requests import AskNote, Reply
 from woz_tui.protocol.sentence import Sentence
@@ -12,9 +14,9 @@ class NoteDialog(EntryDialog):
     taken is in the field the next time.
     """
 
-    heading = Sentence("note.heading", "Note")
-    hint = Sentence("note.hint", "enter writes it · ctrl+q closes")
-    placeholder = Sentence("note.what", "what you saw (codes, no names)")
+    heading: str = Sentence("note.heading", "Note")
+    hint: ClassVar[str] = Sentence("note.hint", "enter writes it · ctrl+q closes")
+    placeholder: ClassVar[str] = Sentence("note.what", "what you saw (codes, no names)")
 
     def submit(self, text: str) -> None:
         def answered(reply: Reply) -> None:

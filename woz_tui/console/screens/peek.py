@@ -8,6 +8,7 @@ from textual import events
 
 from woz_tui.config.keys.console_keys import played_by
 from woz_tui.config.keys.textual_names import from_textual
+from woz_tui.config.screen_language import say, word
 from woz_tui.config.utterance_template import HIDDEN_TEXT
 from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.drawing.key_caps import KeyCap, caption, key_name
@@ -20,6 +21,7 @@ from woz_tui.console.widgets.bottom_rows import (
     step_words,
     upcoming,
 )
+from woz_tui.protocol.sentence import Sentence
 
 if TYPE_CHECKING:
     from woz_tui.config.keys.keymap import KeyMap
@@ -35,8 +37,8 @@ class PeekDialog(LiveReportDialog):
     other key, and any key after it, closes this and does what it always does.
     """
 
-    heading = "What a key would do"
-    hint = "key of an action: see it · any other key closes this and acts"
+    heading = Sentence("peek.heading", "What a key would do")
+    hint = Sentence("peek.hint", "key of an action: see it · any other key closes this and acts")
     size_class = "wide"
     indent = 2
     plays = True
@@ -58,8 +60,9 @@ class PeekDialog(LiveReportDialog):
             return self._action_rows(action)
         if self._typed:
             key = key_name(self._typed, self.glyphs)
-            return [((key, "key"), (f" {self.glyphs.ellipsis} waits for its second key", "muted"))]
-        return [(("Press the key of an action.", "muted"),)]
+            waits = say("peek.second_key", "waits for its second key")
+            return [((key, "key"), (f" {self.glyphs.ellipsis} {waits}", "muted"))]
+        return [((say("peek.press", "Press the key of an action."), "muted"),)]
 
     def _action_rows(self, name: str) -> list[Row]:
         app, state, glyphs = self.console_app, self.state, self.glyphs
@@ -80,14 +83,14 @@ class PeekDialog(LiveReportDialog):
             rows.append(((view.help, "muted"),))
         if name == upcoming(state):
             key = key_name(app.key_of(order_keys()[0]), glyphs)
-            rows.append(((f"{key} plays it next", "muted"),))
+            rows.append(((say("peek.next", "{key} plays it next", key=key), "muted"),))
         if (panel is not None and state.is_locked(panel)) or (view is not None and view.locked):
-            rows.append((("It is locked and plays nothing.", "warn"),))
+            rows.append(((say("peek.locked", "It is locked and plays nothing."), "warn"),))
         elif panel is not None and (played := clean(state.played_by(panel))):
-            rows.append(((f"It is played by {played}.", "warn"),))
+            rows.append(((say("peek.played_by", "It is played by {part}.", part=played), "warn"),))
         said = state.sentence(name)
         if said == HIDDEN_TEXT:
-            rows += [(), ((KEPT, "muted"),)]
+            rows += [(), ((word(KEPT), "muted"),)]
         elif said:
             rows += [(), ((f"{glyphs.opening}{said}{glyphs.closing}", "plain"),)]
         steps = [glyphs.plain(step_words(step)) for step in state.steps(name)]
@@ -121,5 +124,5 @@ class PeekDialog(LiveReportDialog):
         if self._action:
             self.own_keys = frozenset((chord,))
             app.give_keys()
-            self.show_hint("any key closes this and does what it always does")
+            self.show_hint(say("peek.any_key", "any key closes this and does what it always does"))
         self.refreshed()

@@ -18,10 +18,10 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from woz_tui.config.keys.terminals import Terminal
-from woz_tui.config.screen_language import worded_data
+from woz_tui.config.screen_language import say, word, worded_data
 from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.drawing.key_caps import KeyCap, key_name
-from woz_tui.console.screens.dialog import ReportDialog, refusal_text
+from woz_tui.console.screens.dialog import ReportDialog, plain, refusal_text
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.engagement_text import has_no_sensor, signs_of
 from woz_tui.console.state.remedy_text import remedy_text
@@ -29,10 +29,13 @@ from woz_tui.console.widgets.status_rows import SLOW_LINE_US
 from woz_tui.drivers.contract import Finding
 from woz_tui.machine.terminal_check import environment, multiplexers
 from woz_tui.protocol.requests import AskCheck, AskPreflight, Reply
+from woz_tui.protocol.sentence import Sentence
 
 _LOOKS = {"ok": "good", "info": "muted", "warning": "warn", "error": "bad"}
 #: The hint where the file has a list of its own.
-TICKING = "space ticks · c checks again · tab: findings · ctrl+q closes"
+TICKING = Sentence(
+    "preflight.ticking", "space ticks · c checks again · tab: findings · ctrl+q closes"
+)
 #: What is to be mended stands on top.
 _ORDER = {"error": 0, "warning": 1, "info": 2, "ok": 3}
 _SIGNS = {"ok": "done", "info": "info", "warning": "warning", "error": "error"}
@@ -55,9 +58,11 @@ def key_findings(state: ConsoleState, caps: Mapping[str, KeyCap]) -> list[Findin
             cap = caps.get(action.name)
             if cap is not None and cap.why:
                 level = "info" if cap.reserve else "warning"
-                subject = f"key {action.key}"
-                findings.append(Finding(level, subject, cap.why, f"for {action.label}"))
-    return findings or [Finding("ok", "keys", "all keys of the file can be sent")]
+                subject = say("preflight.key", "key {key}", key=action.key)
+                whose = say("preflight.for_action", "for {label}", label=action.label)
+                findings.append(Finding(level, subject, word(cap.why), whose))
+    all_sent = say("preflight.keys_sent", "all keys of the file can be sent")
+    return findings or [Finding("ok", say("preflight.keys", "keys"), all_sent)]
 
 
 def sign_findings(state: ConsoleState) -> list[Finding]:
@@ -67,38 +72,73 @@ def sign_findings(state: ConsoleState) -> list[Finding]:
         return []
     wanted = [name for name in signs_of(shown) if name in shown.uses]
     missing = [name for name in wanted if has_no_sensor(shown.signs[name])]
+    subject = say("preflight.engagement", "engagement")
     if not missing:  # `presence, gaze are sensed, distance is given by hand`
         by_hand = [name for name in wanted if shown.signs[name].forced]
         sensed = [name for name in wanted if name not in by_hand]
-        told = [
-            f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} {how}"
-            for names, how in ((sensed, "sensed"), (by_hand, "given by hand"))
-            if names
-        ]
-        return [Finding("ok", "engagement", ", ".join(told))]
+        told = []
+        if sensed:
+            told.append(
+                say(
+                    "preflight.sensed",
+                    "{names} are sensed",
+                    one="{names} is sensed",
+                    names=", ".join(sensed),
+                    count=len(sensed),
+                )
+            )
+        if by_hand:
+            told.append(
+                say(
+                    "preflight.by_hand",
+                    "{names} are given by hand",
+                    one="{names} is given by hand",
+                    names=", ".join(by_hand),
+                    count=len(by_hand),
+                )
+            )
+        return [Finding("ok", subject, ", ".join(told))]
+    remedy = say("preflight.give_sign", "give it by hand, or wait")
     return [
-        Finding("warning", "engagement", f"no sensor gives {name} yet", "give it by hand, or wait")
+        Finding(
+            *("warning", subject),
+            say("preflight.no_sensor", "no sensor gives {sign} yet", sign=name),
+            remedy,
+        )
         for name in missing
     ]
 
 
 def line_finding(round_trip_us: int | None) -> Finding:
     """How long a key is on its way from the wizard's terminal, and back."""
+    subject = say("preflight.connection", "connection")
     if round_trip_us is None:
-        text = "the terminal has not answered yet; the delay of keys is not known"
-        return Finding("info", "connection", text, "check again")
-    text = f"{round_trip_us / 1000:.0f} ms there and back"
+        text = say(
+            "preflight.no_delay",
+            "the terminal has not answered yet; the delay of keys is not known",
+        )
+        return Finding("info", subject, text, say("preflight.again", "check again"))
+    text = say("preflight.delay", "{ms:.0f} ms there and back", ms=round_trip_us / 1000)
     if round_trip_us < SLOW_LINE_US:
-        return Finding("ok", "connection", text)
-    return Finding("warning", "connection", text, "use a cable or a nearer access point")
+        return Finding("ok", subject, text)
+    remedy = say("preflight.nearer", "use a cable or a nearer access point")
+    return Finding("warning", subject, text, remedy)
 
 
 def kind_finding(terminal: Terminal, help_key: str) -> Finding:
     """Which keys the terminal can tell apart. `help_key` opens the list of keys."""
+    subject = say("preflight.keyboard", "keyboard")
     if terminal.kitty:
-        return Finding("ok", "keyboard", "tells all keys apart (kitty keyboard protocol)")
-    shown = f"; {help_key} shows what to press instead" if help_key else ""
-    return Finding("info", "keyboard", f"This terminal cannot send some key combinations{shown}")
+        text = say("preflight.kitty", "tells all keys apart (kitty keyboard protocol)")
+        return Finding("ok", subject, text)
+    text = say("preflight.few_keys", "This terminal cannot send some key combinations")
+    if help_key:
+        text = say(
+            "preflight.few_keys_help",
+            "This terminal cannot send some key combinations; {key} shows what to press instead",
+            key=help_key,
+        )
+    return Finding("info", subject, text)
 
 
 def terminal_findings(environ: Mapping[str, str]) -> list[Finding]:
@@ -112,8 +152,8 @@ class PreflightDialog(ReportDialog):
     Above them is what the experiment file leaves to a human, each with a sign: to be ticked.
     """
 
-    heading = "Preflight"
-    hint = "enter checks again · arrows scroll · ctrl+q closes"
+    heading = Sentence("preflight.heading", "Preflight")
+    hint = Sentence("preflight.hint", "enter checks again · arrows scroll · ctrl+q closes")
     size_class = "wide"
     indent = 17  # under the text, behind sign and subject
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "check", priority=True)]
@@ -130,7 +170,7 @@ class PreflightDialog(ReportDialog):
         """The human's list, then the findings."""
         self._shown = dict(self.state.study.checks)
         if self._shown:
-            yield Static("You check these", classes="caption")
+            yield Static(plain(say("preflight.yours", "You check these")), classes="caption")
             yield OptionList(*map(self._check, self._shown), id="checks")
         yield from super().body()
 
@@ -188,7 +228,8 @@ class PreflightDialog(ReportDialog):
 
     def _look_again(self) -> None:
         """Ask the robot process, and look at the terminal meanwhile."""
-        self._findings, self._status = [], f"checking {self.glyphs.ellipsis}"
+        checking = say("preflight.checking", "checking")
+        self._findings, self._status = [], f"{checking} {self.glyphs.ellipsis}"
         self._reply = self._terminal = None
         self.renew()
         self.requests.ask(AskPreflight(), self._answered)
@@ -230,12 +271,24 @@ class PreflightDialog(ReportDialog):
         if not reply.ok:
             self._status = refusal_text(reply)
         elif levels["error"] or levels["warning"] or unticked:
-            counts = [(levels[word], word) for word in ("error", "warning")]
-            told = [f"{n} {word}{'' if n == 1 else 's'}" for n, word in counts if n]
-            told += [f"{unticked} of your own checks not ticked"] if unticked else []
+            told = []
+            if count := levels["error"]:
+                told.append(say("preflight.errors", "{count} errors", one="1 error", count=count))
+            if count := levels["warning"]:
+                told.append(
+                    say("preflight.warnings", "{count} warnings", one="1 warning", count=count)
+                )
+            if unticked:
+                told.append(
+                    say(
+                        "preflight.unticked",
+                        "{count} of your own checks not ticked",
+                        count=unticked,
+                    )
+                )
             self._status = ", ".join(told)
         else:
-            self._status = "everything is ready"
+            self._status = say("preflight.ready", "everything is ready")
 
     def lines(self) -> list[Row]:
         """The verdict, then every finding."""

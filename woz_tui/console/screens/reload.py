@@ -6,22 +6,24 @@ from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import ReportDialog
 from woz_tui.protocol.requests import AskReload, Reply
+from woz_tui.protocol.sentence import Sentence
 
 
 class ReloadDialog(ReportDialog):
     """Asks for the differences first; enter applies them. Errors change nothing."""
 
-    heading = "Read the experiment file again"
-    hint = "ctrl+q closes, nothing changes"
+    heading = Sentence("reload.heading", "Read the experiment file again")
+    hint = Sentence("reload.hint", "ctrl+q closes, nothing changes")
     size_class = "wide"
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "apply", priority=True)]
 
     def __init__(self) -> None:
         super().__init__()
-        self._rows: list[Row] = [(("reading ...", "muted"),)]
+        self._rows: list[Row] = [((say("dialog.reading", "reading ..."), "muted"),)]
         self._ready = False
 
     def on_mount(self) -> None:
@@ -34,12 +36,18 @@ class ReloadDialog(ReportDialog):
             self._rows += [((reply.hint, "run"),)] if reply.hint else []
             self._rows += [((detail, "plain"),) for detail in details]
         elif not details:
-            self._rows = [(("The file says what the session already does.", "plain"),)]
+            same = say("reload.same", "The file says what the session already does.")
+            self._rows = [((same, "plain"),)]
         else:
             self._ready = True
             self._rows = [((f"{self.glyphs.info} {detail}", "plain"),) for detail in details]
-        does = "enter applies this to the running session" if self._ready else "enter closes"
-        self.show_hint(f"{does} · ctrl+q: nothing changes")
+        hint = say("reload.closes", "enter closes · ctrl+q: nothing changes")
+        if self._ready:
+            hint = say(
+                "reload.applies",
+                "enter applies this to the running session · ctrl+q: nothing changes",
+            )
+        self.show_hint(hint)
         self.renew()
 
     def lines(self) -> list[Row]:
@@ -53,6 +61,7 @@ class ReloadDialog(ReportDialog):
 
     def _applied(self, reply: Reply) -> None:
         if reply.ok:
-            self.console_app.news("File reloaded", "good")
+            self.console_app.news(say("reload.done", "File reloaded"), "good")
         else:
-            self.console_app.news(f"Not applied: {reply.reason}", "bad")
+            failed = say("reload.failed", "Not applied: {why}", why=reply.reason)
+            self.console_app.news(failed, "bad")

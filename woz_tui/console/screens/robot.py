@@ -14,6 +14,7 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from woz_tui.config.keys.textual_names import from_textual
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.drawing.key_caps import key_name
@@ -38,6 +39,7 @@ from woz_tui.console.robot_settings.view import SettingViewer
 from woz_tui.console.screens.dialog import EntryDialog, plain
 from woz_tui.console.screens.drawing import DrawingDialog
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence
 
 _ROBOTS = {"tab": 1, "shift+tab": -1}
 _LINES = {"up": -1, "down": 1}
@@ -47,14 +49,18 @@ _DO = frozenset(("space", "enter"))
 _FAR = frozenset(("pageup", "pagedown", "home", "end"))
 #: Under which name the requests keep which line was chosen.
 _LAST = "RobotDialog line"
-_REPLAY_HINT = "arrows up and down choose · tab: next · ctrl+q closes"
+_REPLAY_HINT = Sentence(
+    "robot.replay_hint", "arrows up and down choose · tab: next · ctrl+q closes"
+)
 
 
 class RobotDialog(DrawingDialog):
     """One of the session's robots; tab shows the next."""
 
-    heading = "Robot"
-    hint = "arrows, space, enter: change · other keys play · tab: next · ctrl+q closes"
+    heading: str = Sentence("robot.heading", "Robot")
+    hint = Sentence(
+        "robot.hint", "arrows, space, enter: change · other keys play · tab: next · ctrl+q closes"
+    )
 
     def __init__(self) -> None:
         super().__init__()
@@ -126,8 +132,12 @@ class RobotDialog(DrawingDialog):
         """What stands there in a session without such a robot."""
         names = list(dict.fromkeys(self.state.short_names.values()))
         key = key_name(self.console_app.key_of("drivers"), self.glyphs)
-        whose = f"{', '.join(names)}: " if names else ""
-        return f"{whose}no settings to change here.\n{key} says how each driver is."
+        told = say("robot.no_settings", "no settings to change here.")
+        if names:
+            told = say(
+                "robot.none_of", "{names}: no settings to change here.", names=", ".join(names)
+            )
+        return f"{told}\n{say('robot.drivers', '{key} says how each driver is.', key=key)}"
 
     def rows(self, chosen: int, frame: PaintFrame) -> list[Row]:
         self._hand.settle(frame.now)
@@ -228,8 +238,8 @@ class RobotDialog(DrawingDialog):
 class ValueDialog(EntryDialog):
     """A field for one value."""
 
-    heading = "Value"
-    hint = "enter sets it · ctrl+q closes"
+    heading: str = Sentence("robot.value", "Value")
+    hint = Sentence("robot.value_hint", "enter sets it · ctrl+q closes")
     BINDINGS: ClassVar = []
 
     def __init__(self, asks: RobotDialog, driver: str, line: SettingLine, now: str) -> None:
@@ -246,7 +256,7 @@ class ValueDialog(EntryDialog):
         for box in self.query(".dialog"):
             box.border_title = plain(f"{self._driver}: {self._line.setting.label}")
         for entry in self.query("#entry").results(Input):
-            entry.placeholder = clean(f"now {self._now}")
+            entry.placeholder = clean(say("robot.now", "now {value}", value=self._now))
 
     def below(self) -> Iterable[Widget]:
         """What may be typed, and what is wrong with what was."""

@@ -72,7 +72,7 @@ class SayDialog(CompletionDialog):
         "say.type_tags", "type what the robot shall say; {{ for variables, \\ and ^ for tags"
     )
 
-    verb, word = "say", "voice"
+    verb, word = "say", Sentence("say.voice", "voice")
 
     def __init__(self) -> None:
         super().__init__()

@@ -120,7 +120,7 @@ class StartDialog(FormDialog):
     session, that goes on behind it.
     """
 
-    heading = Sentence("start.heading", "Participant")
+    heading: str = Sentence("start.heading", "Participant")
     hint = Sentence("start.hint", "tab: next · arrows: condition · enter accepts · ctrl+q closes")
 
     def __init__(self) -> None:

@@ -6,11 +6,13 @@ from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import ReportDialog
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.protocol.panels import TYPED, TYPED_NAME
 from woz_tui.protocol.requests import AskKeepTyped, Reply
+from woz_tui.protocol.sentence import Sentence
 
 
 def typed_sentences(state: ConsoleState) -> list[str]:
@@ -27,14 +29,14 @@ def typed_sentences(state: ConsoleState) -> list[str]:
 class KeepTypedDialog(ReportDialog):
     """Asks what would be written first; enter writes the copy."""
 
-    heading = "Typed sentences"
-    hint = "enter writes the copy · ctrl+q closes, nothing is written"
+    heading: str = Sentence("typed.heading", "Typed sentences")
+    hint = Sentence("typed.hint", "enter writes the copy · ctrl+q closes, nothing is written")
     size_class = "wide"
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "write", priority=True)]
 
     def __init__(self) -> None:
         super().__init__()
-        self._rows: list[Row] = [(("reading ...", "muted"),)]
+        self._rows: list[Row] = [((say("dialog.reading", "reading ..."), "muted"),)]
         self._ready = False
 
     def on_mount(self) -> None:
@@ -53,14 +55,20 @@ class KeepTypedDialog(ReportDialog):
             self._refused(reply)
         elif count := data.get("sentences"):
             self._ready = True
-            what = "the sentence" if count == 1 else f"the {count} sentences"
-            goes = "It goes" if count == 1 else "They go"
-            first = f"Keep {what} you typed? {goes} into a copy; your file is not changed."
+            first = say(
+                "typed.keep",
+                "Keep the {count} sentences you typed? They go into a copy; your file is not"
+                " changed.",
+                one="Keep the sentence you typed? It goes into a copy; your file is not changed.",
+                count=count,
+            )
             self._rows = [((first, "plain"),), ((str(data.get("file")), "strong"),), ()]
             self._rows += [((f"  {each}", "good"),) for each in typed_sentences(self.state)]
         else:
             file = str(data.get("file") or "")
-            there = f"All typed sentences are in {file}" if file else "No sentences were typed"
+            there = say("typed.none", "No sentences were typed")
+            if file:
+                there = say("typed.all_in", "All typed sentences are in {file}", file=file)
             self._rows = [((there, "plain"),)]
         self.renew()
 
@@ -69,7 +77,8 @@ class KeepTypedDialog(ReportDialog):
         details = reply.data if isinstance(reply.data, list) else []
         self._rows = [((f"{self.glyphs.error} {reply.reason}", "bad"),)]
         self._rows += [((str(detail), "plain"),) for detail in (*details, reply.hint) if detail]
-        self._rows += [(), (("Nothing is lost: the sentences are in the log", "strong"),)]
+        kept = say("typed.in_log", "Nothing is lost: the sentences are in the log")
+        self._rows += [(), ((kept, "strong"),)]
         self._rows += [((self.state.log, "plain"),)] if self.state.log else []
 
     def action_write(self) -> None:
@@ -89,4 +98,5 @@ class KeepTypedDialog(ReportDialog):
             return
         data = reply.data if isinstance(reply.data, dict) else {}
         self.leave()
-        self.console_app.news(f"Typed sentences are in {data.get('file')}", "good")
+        written = say("typed.written", "Typed sentences are in {file}", file=data.get("file"))
+        self.console_app.news(written, "good")

@@ -1,0 +1,98 @@
+"""The dialogs in German: no sentence is English, and what has room in English has room."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from tests.console import scenes
+from tests.console.dialogs import OPENERS, busy, open_dialog
+from tests.console.piloting import piloted_console
+from tools.screen_sentences import sentences
+from woz_tui.config.screen_language import catalogue, use, word
+from woz_tui.protocol import messages as m
+
+#: Sections of what dialogs, finder, help and the lowest line say.
+SECTIONS = (
+    *("app", "bodies", "dialog", "drivers", "failures", "find", "hand", "help", "hint", "keys"),
+    *("knobs", "leave", "lost", "mistake", "move", "note", "peek", "preflight", "queue"),
+    *("release", "reload", "robot", "say", "start", "typed", "unrecorded"),
+)
+#: Of features, which have their own sections.
+OTHERS = {"ProfileDialog", "TrialDialog", "PhasesDialog"}
+#: Shorter ones are words that other texts have, too.
+WORDS = 12
+#: Cells of the preflight's first column.
+SUBJECT = 14
+DIALOGS = sorted({*OPENERS} - OTHERS)
+
+
+@pytest.fixture(autouse=True)
+def german() -> Iterator[None]:
+    use("de")
+    yield
+    use("en")
+
+
+def english_left(drawn: str) -> set[str]:
+    """Sentences of ours that stand there in English."""
+    ours, there = catalogue("de"), " ".join(drawn.split())
+    return {
+        text
+        for code, text in sentences().items()
+        if code.partition(".")[0] in SECTIONS and "{" not in text
+        if len(text) >= WORDS and text != ours[code] and text in there
+    }
+
+
+@pytest.mark.parametrize("name", DIALOGS)
+async def test_a_dialog_is_german_and_its_edge_has_room(name: str) -> None:
+    async with piloted_console(busy(), size=(80, 24)) as pilot:
+        await open_dialog(pilot, name)
+        dialog = pilot.console.dialog
+        assert dialog is not None
+        await pilot.until(lambda: word(dialog.heading) in pilot.drawn())
+        assert not english_left(pilot.drawn())
+        subtitles = [str(box.border_subtitle) for box in dialog.query(".dialog")]
+        assert all(subtitle in pilot.drawn() for subtitle in subtitles), subtitles
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+async def test_keys_are_named_in_german(size: tuple[int, int]) -> None:
+    async with piloted_console(busy(), size=size) as pilot:
+        assert "Stopp" in pilot.text("StopBar")
+        assert not english_left(pilot.text("StopBar"))
+        await open_dialog(pilot, "HelpDialog")
+        assert "den Stopp lösen" in pilot.drawn()
+
+
+@pytest.mark.parametrize("typed", ["beenden", "leave"])
+async def test_a_command_is_found_by_its_german_and_its_english_words(typed: str) -> None:
+    async with piloted_console(scenes.welcome()) as pilot:
+        await open_dialog(pilot, "FindDialog")
+        await pilot.type(typed)
+        await pilot.press("enter")
+        await pilot.until(lambda: type(pilot.console.dialog).__name__ == "LeaveDialog")
+        assert "Sitzung beenden: der Roboter ruht" in pilot.drawn()
+
+
+async def test_the_question_before_a_release_is_german() -> None:
+    async with piloted_console(scenes.welcome()) as pilot:
+        await pilot.tell(m.StopPressed(scope="all", source="key", t=scenes.NOW))
+        await pilot.press("ctrl+r")
+        await pilot.until(lambda: "Stopp lösen?" in pilot.drawn())
+        assert "noch nicht bestätigt" in pilot.drawn()
+        assert not english_left(pilot.drawn())
+
+
+async def test_what_the_console_tells_is_german() -> None:
+    async with piloted_console(scenes.welcome()) as pilot:
+        await pilot.press("f20")
+        await pilot.until(lambda: "ist nicht belegt" in pilot.drawn())
+
+
+def test_subjects_of_the_preflight_fit_their_column() -> None:
+    subjects = ("key", "keys", "engagement", "connection", "keyboard")
+    words = [catalogue("de")[f"preflight.{each}"].format(key="ctrl+x") for each in subjects]
+    assert all(len(each) <= SUBJECT for each in words)

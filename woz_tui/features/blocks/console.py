@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row, clean, cut, length
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.drawing.number_text import seconds
@@ -22,10 +23,14 @@ DRIVERS, LEAST = 18, 40
 
 def block_words(args: Mapping[str, Json]) -> str:
     """`block greeting`, or by its file; what it does, where that is told."""
+    name, does = _block_name(args), str(args.get("does", ""))
+    block = say("blocks.named", "block {name}", name=name).rstrip()
+    return f"{block}: {does}" if does else block
+
+
+def _block_name(args: Mapping[str, Json]) -> str:
     found = _ID.search(str(args.get("block", "")))
-    name = str(args.get("file", "")) or (found[1] if found is not None else "")
-    does = str(args.get("does", ""))
-    return f"block {name}".rstrip() + (f": {does}" if does else "")
+    return str(args.get("file", "")) or (found[1] if found is not None else "")
 
 
 def _under_way(state: ConsoleState, frame: PaintFrame, key: str, width: int) -> Row:
@@ -37,13 +42,17 @@ def _under_way(state: ConsoleState, frame: PaintFrame, key: str, width: int) -> 
         return ()
     block = blocks[-1]
     who = state.session.consoles.get(block.request.console)
-    name = command_words(block.request).removeprefix("block ")
+    args = block.request.args
+    does = str(args.get("does", ""))
+    name = f"{_block_name(args)}: {does}" if does else _block_name(args)
     more = f" +{len(blocks) - 1}" if len(blocks) > 1 else ""
     left = run.timing(frame.now)[0]
-    waits = "" if run.running else " waits "
-    back: Row = ((f" {seconds(left)} left " if left is not None else waits, "run"),)
+    waits = "" if run.running else f" {say('blocks.waits', 'waits')} "
+    time = seconds(left) if left is not None else ""
+    still = f" {say('blocks.left', '{time} left', time=time)} " if time else waits
+    back: Row = ((still, "run"),)
     if key and runs.active[-1] == run.id:
-        back += ((f" {key} ", "key"), (" cuts ", "muted"))
+        back += ((f" {key} ", "key"), (f" {say('blocks.cuts', 'cuts')} ", "muted"))
     front: Row = (
         (f"  {glyphs.running} {clean(name)}{more}", "run"),
         (f" {glyphs.middle} {clean(who.name)}" if who is not None and who.name else "", "muted"),

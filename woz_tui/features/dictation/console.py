@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventContext, EventLine
 from woz_tui.console.widgets.feature_console import FeatureConsole
@@ -10,7 +11,7 @@ from woz_tui.features.dictation.notes import DictatedTexts
 
 
 def _dictated(message: Dictated, shown: EventContext) -> EventLine:
-    return EventLine("info", "Dictated", message.text)
+    return EventLine("info", say("dictation.event", "Dictated"), message.text)
 
 
 def _said(message: DictationSaid, shown: EventContext) -> EventLine | None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from woz_tui.console.screens.say import SayDialog
 from woz_tui.features.dictation.notes import DictatedTexts
+from woz_tui.protocol.sentence import Sentence
 
 
 class DictatedSayDialog(SayDialog):
     """What was dictated stands there as if it were typed; enter says it."""
 
-    heading = "Say (dictated)"
+    heading = Sentence("dictation.heading", "Say (dictated)")
 
     @property
     def draft(self) -> str:

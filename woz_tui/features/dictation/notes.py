@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.state.feature_notes import FeatureNotes, StudyNews
 from woz_tui.features.dictation.kinds import Dictated, DictationSaid
 from woz_tui.timeline.session_state import SessionState
@@ -24,7 +25,9 @@ class DictatedTexts(FeatureNotes):
             return None
         self.begun = True
         self._unsaid[message.dictation] = message.text
-        return StudyNews(f"Dictated: {message.text}", "good", command=("say", "look at it"))
+        dictated = say("dictation.dictated", "Dictated: {text}", text=message.text)
+        look = say("dictation.look", "look at it")
+        return StudyNews(dictated, "good", command=("say", look))
 
     def after(self, number: int) -> dict[int, str]:
         """Texts that came after the one of this number and have not been said."""

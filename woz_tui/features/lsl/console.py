@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row, clean, fit_most
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
@@ -21,21 +22,27 @@ def _lost(state: ConsoleState, frame: PaintFrame) -> Row:
     if not lost:
         return ()
     names = fit_most(clean(", ".join(lost)), _NAMES, frame.glyphs.ellipsis)
-    return (("  ", "plain"), (f"{names} lost", "bad"))
+    return (("  ", "plain"), (say("lsl.lost", "{names} lost", names=names), "bad"))
 
 
 def _sent(message: LslStream, shown: EventContext) -> EventLine:
     if message.taken:
-        return EventLine("info", f"{message.stream} is recorded, or taken by a program")
-    return EventLine("info", f"{message.stream} is sent", "nobody records it")
+        taken = say(
+            "lsl.taken", "{stream} is recorded, or taken by a program", stream=message.stream
+        )
+        return EventLine("info", taken)
+    sent = say("lsl.sent", "{stream} is sent", stream=message.stream)
+    return EventLine("info", sent, say("lsl.not_recorded", "nobody records it"))
 
 
 def _found(message: LslFound, shown: EventContext) -> EventLine:
-    return EventLine("info", f"Stream {message.stream} is there", message.host)
+    found = say("lsl.found", "Stream {stream} is there", stream=message.stream)
+    return EventLine("info", found, message.host)
 
 
 def _gone(message: LslLost, shown: EventContext) -> EventLine:
-    return EventLine("warning", f"Stream {message.stream} is lost", message.why)
+    gone = say("lsl.gone", "Stream {stream} is lost", stream=message.stream)
+    return EventLine("warning", gone, message.why)
 
 
 SENTENCES = {LslStream: _sent, LslFound: _found, LslLost: _gone}
@@ -56,17 +63,28 @@ class LslNotes(FeatureNotes):
         if isinstance(message, LslLost):
             self._lost.add(name)
             self._taken.discard(name)
-            why = f": {message.why}" if message.why else ""
-            return StudyNews(f"The stream {name} is lost{why}", "bad")
+            lost = (
+                say(
+                    "lsl.is_lost_why",
+                    "The stream {stream} is lost: {why}",
+                    stream=name,
+                    why=message.why,
+                )
+                if message.why
+                else say("lsl.is_lost", "The stream {stream} is lost", stream=name)
+            )
+            return StudyNews(lost, "bad")
         if isinstance(message, LslStream):
             was, self._taken = name in self._taken, self._taken - {name}
             if message.taken:
                 self._taken.add(name)
             elif was:
-                return StudyNews(f"Nobody records {name} any more", "bad")
+                unrecorded = say("lsl.unrecorded", "Nobody records {stream} any more", stream=name)
+                return StudyNews(unrecorded, "bad")
         if name in self._lost:
             self._lost.discard(name)
-            return StudyNews(f"The stream {name} is there again", "good")
+            back = say("lsl.is_back", "The stream {stream} is there again", stream=name)
+            return StudyNews(back, "good")
         return None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import clean
 from woz_tui.console.state.event_sentences import EventContext, EventLine
 from woz_tui.console.state.feature_notes import FeatureNotes, StudyNews
@@ -9,17 +10,22 @@ from woz_tui.features.page.kinds import PageClosed, PageFailed, PageOpened
 
 
 def _opened(message: PageOpened, shown: EventContext) -> EventLine:
-    code = f"code {message.class_code}; " if message.class_code else ""
-    told = f"{code}`woz page codes` has the addresses"
-    return EventLine("info", f"Pages at {message.address}", told)
+    told = (
+        say("page.code", "code {code}; `woz page codes` has the addresses", code=message.class_code)
+        if message.class_code
+        else say("page.addresses", "`woz page codes` has the addresses")
+    )
+    return EventLine(
+        "info", say("page.opened", "Pages at {address}", address=message.address), told
+    )
 
 
 def _failed(message: PageFailed, shown: EventContext) -> EventLine:
-    return EventLine("error", f"Pages: {message.why}")
+    return EventLine("error", say("page.failed", "Pages: {why}", why=message.why))
 
 
 def _closed(message: PageClosed, shown: EventContext) -> EventLine:
-    return EventLine("info", "Pages are closed", message.address)
+    return EventLine("info", say("page.closed", "Pages are closed"), message.address)
 
 
 SENTENCES = {PageOpened: _opened, PageFailed: _failed, PageClosed: _closed}
@@ -31,4 +37,4 @@ class PageNotes(FeatureNotes):
     hears = (PageFailed,)
 
     def apply(self, message: PageFailed) -> StudyNews | None:
-        return StudyNews(f"Pages: {clean(message.why)}", "bad")
+        return StudyNews(say("page.failed", "Pages: {why}", why=clean(message.why)), "bad")

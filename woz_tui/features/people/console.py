@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventContext, EventLine
 from woz_tui.console.widgets.feature_console import (
@@ -20,8 +21,9 @@ def _fields(state: ConsoleState, code: str) -> Iterable[ParticipantField]:
     told = state.session.history(PeopleHistory).described.get(code)
     known = told.fields if told is not None else {}
     for name, words in state.settings.participant_fields.items():
-        now = f"now {known[name]}" if name in known else ""
-        hint = "; ".join(filter(None, (", ".join(words) or "text", now)))
+        now = say("people.now", "now {value}", value=known[name]) if name in known else ""
+        may_be = ", ".join(words) or say("people.text", "text")
+        hint = "; ".join(filter(None, (may_be, now)))
         yield ParticipantField(name, hint)
 
 

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean, cut, length, spread, wrap_row
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
@@ -22,6 +23,7 @@ from woz_tui.features.proposals.kinds import (
 )
 from woz_tui.features.proposals.notes import PLACES, ShownItem, ShownProposals
 from woz_tui.protocol.envelope import Json
+from woz_tui.protocol.sentence import Sentence
 
 #: Lines of a screen from which on all places are shown; below, one less.
 TALL = 30
@@ -75,7 +77,7 @@ def _likely_items(state: ConsoleState, frame: PaintFrame) -> tuple[Row, list[Sho
     """The row, and what of it there is room for."""
     sets = state.session.history(ProposalHistory).sets.values()
     offered = next((each.offered for each in sets if each.offered.source == "logs"), None)
-    row: Row = ((" likely ", "title"),)
+    row: Row = ((f" {say('proposals.likely', 'likely')} ", "title"),)
     seen: list[ShownItem] = []
     for item in offered.items if offered is not None else ():
         cap = state.keys.get(item.action, "") or frame.glyphs.dash
@@ -115,17 +117,25 @@ def _place(
         if place or any(places_of(state)):
             return [((" ", "plain"),)]
         quiet = state.session.history(ProposalHistory).is_quiet()
-        return [((f" nothing is proposed{' in this trial' * quiet}", "muted"),)]
+        nothing = (
+            say("proposals.quiet", "nothing is proposed in this trial")
+            if quiet
+            else say("proposals.nothing", "nothing is proposed")
+        )
+        return [((f" {nothing}", "muted"),)]
     offered, item = shown
     who = clean(offered.who) or offered.source
-    asks = f"{who} asks: " if offered.approval else f"{who}: "
-    front: Row = ((f" {cap or glyphs.dash} ", "key"), (f" {asks}", "wait"))
+    asks = say("proposals.asks", "{who} asks:", who=who) if offered.approval else f"{who}:"
+    front: Row = ((f" {cap or glyphs.dash} ", "key"), (f" {asks} ", "wait"))
     more = ""
     if not place:
         edits, none = (state.own_keys.get(name, "") for name in (EDIT, NONE))
-        more = f" {edits} edit " * bool(edits and item.text) + f" {none} no " * bool(none)
+        if edits and item.text:
+            more += f" {say('proposals.edit_key', '{key} edit', key=edits)} "
+        if none:
+            more += f" {say('proposals.no_key', '{key} no', key=none)} "
     left = max(0, offered.until - frame.now)
-    marks = "".join(f" {_MARKS.get(mark, clean(mark))} " for mark in item.marks)
+    marks = "".join(f" {word(_MARKS.get(mark, clean(mark)))} " for mark in item.marks)
     right: Row = (
         (more, "muted"),
         (marks, "warn"),
@@ -171,8 +181,9 @@ def item_words(state: ConsoleState, item: ProposedItem, frame: PaintFrame) -> st
         what = rest
     else:
         what = f"{item.verb} {rest}".strip()
-    where = [f"on {item.on}"] if item.on else []
-    front = clean(", ".join(filter(None, (*where, _BUSY.get(item.when_busy, ""), what))))
+    where = say("proposals.on_robot", "on {robot}", robot=item.on) if item.on else ""
+    busy = word(_BUSY.get(item.when_busy, ""))
+    front = clean(", ".join(filter(None, (where, busy, what))))
     if not item.text:
         return front
     said = quotation(item.text, frame.glyphs)
@@ -180,9 +191,15 @@ def item_words(state: ConsoleState, item: ProposedItem, frame: PaintFrame) -> st
 
 
 #: What the wizard is to know of a sentence before she takes it.
-_MARKS = {"repeats": "said just now", "asks again": "one more question"}
+_MARKS = {
+    "repeats": Sentence("proposals.repeats", "said just now"),
+    "asks again": Sentence("proposals.asks_again", "one more question"),
+}
 #: What a program wants where the robot is still at something else.
-_BUSY = {"replace": "interrupts", "refuse": "only if nothing goes on"}
+_BUSY = {
+    "replace": Sentence("proposals.interrupts", "interrupts"),
+    "refuse": Sentence("proposals.if_idle", "only if nothing goes on"),
+}
 
 
 def _argument(name: str, value: Json) -> str:
@@ -191,24 +208,30 @@ def _argument(name: str, value: Json) -> str:
 
 
 def _trial(message: SuggestTrial, shown: EventContext) -> EventLine | None:
-    return None if message.offered else EventLine("info", "Nothing is proposed in this trial")
+    if message.offered:
+        return None
+    return EventLine("info", say("proposals.trial_without", "Nothing is proposed in this trial"))
 
 
 def _taken(message: SuggestTaken, shown: EventContext) -> EventLine:
-    how = {"edited": "Proposal changed and taken", "own_key": "Played as proposed"}
-    return EventLine("info", how.get(message.how, "Proposal taken"), message.text)
+    return EventLine("info", word(_TAKEN.get(message.how, _AS_IT_IS)), message.text)
 
 
+_AS_IT_IS = Sentence("proposals.taken", "Proposal taken")
+_TAKEN = {
+    "edited": Sentence("proposals.edited", "Proposal changed and taken"),
+    "own_key": Sentence("proposals.own_key", "Played as proposed"),
+}
 _GONE = {
-    "expired": "Proposal: nobody took it in time",
-    "dismissed": "Proposal declined",
-    "refused": "Proposal taken, but refused",
+    "expired": Sentence("proposals.expired", "Proposal: nobody took it in time"),
+    "dismissed": Sentence("proposals.dismissed", "Proposal declined"),
+    "refused": Sentence("proposals.taken_refused", "Proposal taken, but refused"),
 }
 
 
 def _gone(message: SuggestGone, shown: EventContext) -> EventLine | None:
     said = _GONE.get(message.how)
-    return EventLine("info", said) if said else None
+    return EventLine("info", word(said)) if said else None
 
 
 SENTENCES = {SuggestTaken: _taken, SuggestGone: _gone, SuggestTrial: _trial}

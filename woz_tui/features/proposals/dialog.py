@@ -7,14 +7,16 @@ from collections.abc import Iterable
 from textual.widget import Widget
 from textual.widgets import Static
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import clean
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.screens.dialog import ConsoleApp, EntryDialog, plain
 from woz_tui.features.proposals.console import EDIT, KEYS, is_whole, places_of
 from woz_tui.features.proposals.kinds import AskDismiss, AskTake
 from woz_tui.features.proposals.notes import ShownItem
+from woz_tui.protocol.sentence import Sentence
 
-NOTHING = "Nothing is proposed there"
+NOTHING = Sentence("proposals.nothing_there", "Nothing is proposed there")
 
 
 def take_first(app: ConsoleApp) -> None:
@@ -36,7 +38,7 @@ def _take(app: ConsoleApp, place: int) -> None:
     """What is asked for is what stands there now, by its set."""
     shown = _at(app, place)
     if shown is None:
-        app.news(NOTHING)
+        app.news(word(NOTHING))
         return
     width, height = app.size
     if not is_whole(app.state, PaintFrame(width, height, 0), place):
@@ -44,7 +46,11 @@ def _take(app: ConsoleApp, place: int) -> None:
         if shown.item.text:
             app.open_dialog(EditProposalDialog(shown))
         else:
-            app.news("It is cut here: make the window wider to read it whole, then take it")
+            cut = say(
+                "proposals.cut",
+                "It is cut here: make the window wider to read it whole, then take it",
+            )
+            app.news(cut)
         return
     key = app.key_of(KEYS[place])
     app.requests.ask(AskTake(set=shown.offered.set, item=shown.item.id, key=key))
@@ -54,7 +60,7 @@ def dismiss_first(app: ConsoleApp) -> None:
     """Take nothing of the set at the first place."""
     shown = _at(app, 0)
     if shown is None:
-        app.news(NOTHING)
+        app.news(word(NOTHING))
     else:
         app.requests.ask(AskDismiss(set=shown.offered.set))
 
@@ -63,9 +69,9 @@ def open_edit(app: ConsoleApp) -> None:
     """Change the sentence at the first place."""
     shown = _at(app, 0)
     if shown is None:
-        app.news(NOTHING)
+        app.news(word(NOTHING))
     elif not shown.item.text:
-        app.news("It is no sentence: there is nothing to edit")
+        app.news(say("proposals.no_sentence", "It is no sentence: there is nothing to edit"))
     else:
         app.open_dialog(EditProposalDialog(shown))
 
@@ -78,13 +84,16 @@ def _at(app: ConsoleApp, place: int) -> ShownItem | None:
 class EditProposalDialog(EntryDialog):
     """A proposed sentence, to be said otherwise. The box closes when the proposal has gone."""
 
-    hint = "enter says it so · ctrl+q closes; the proposal stays until it expires"
+    hint = Sentence(
+        "proposals.edit_keys",
+        "enter says it so · ctrl+q closes; the proposal stays until it expires",
+    )
     size_class = "wide"
 
     def __init__(self, shown: ShownItem) -> None:
         super().__init__()
         who = clean(shown.offered.who) or shown.offered.source
-        self.heading = f"Proposed by {who}"
+        self.heading = say("proposals.proposed_by", "Proposed by {who}", who=who)
         self._shown = shown
 
     def below(self) -> Iterable[Widget]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import msgspec
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import clean, fit_most
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventContext, EventLine
@@ -27,6 +28,7 @@ from woz_tui.features.questionnaires.kinds import (
     QuestionnaireEnded,
     QuestionnaireStarted,
 )
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.protocol.welcome import Questionnaire
 from woz_tui.timeline.session_state import SessionState
 
@@ -122,15 +124,32 @@ def questionnaires_of(state: ConsoleState) -> QuestionnaireNotes:
 
 
 def _started(message: QuestionnaireStarted, shown: EventContext) -> EventLine:
-    about = f"after trial {message.trial}" if message.trial >= 0 else ""
-    return EventLine("info", f"Asked: {message.title or message.questionnaire}", about)
+    after = say("questionnaires.after_trial", "after trial {trial}", trial=message.trial)
+    title = message.title or message.questionnaire
+    asked = say("questionnaires.asked", "Asked: {title}", title=title)
+    return EventLine("info", asked, after if message.trial >= 0 else "")
 
 
 def _ended(message: QuestionnaireEnded, shown: EventContext) -> EventLine:
     """Answers of a participant have no line: they are for the log, not for who plays the robot."""
-    ended = {"done": "answered", "left": "not finished"}.get(message.reason, message.reason)
+    known = _ENDED.get(message.reason)
+    ended = (
+        word(known)
+        if known is not None
+        else say("questionnaires.ended", "Questionnaire {how}", how=message.reason)
+    )
     mark = "done" if message.reason == "done" else "info"
-    return EventLine(mark, f"Questionnaire {ended}", f"{message.answered} answered")
+    answered = say(
+        "questionnaires.count_answered", "{answered} answered", answered=message.answered
+    )
+    return EventLine(mark, ended, answered)
+
+
+_ENDED = {
+    "done": Sentence("questionnaires.ended_done", "Questionnaire answered"),
+    "left": Sentence("questionnaires.ended_left", "Questionnaire not finished"),
+    "declined": Sentence("questionnaires.ended_declined", "Questionnaire declined"),
+}
 
 
 SENTENCES = {QuestionnaireStarted: _started, QuestionnaireEnded: _ended}
@@ -142,8 +161,13 @@ SENTENCES = {QuestionnaireStarted: _started, QuestionnaireEnded: _ended}
 def progress(asked: OpenQuestionnaire) -> str:
     """How far a questionnaire is that is being asked."""
     if asked.answered == len(asked.questions):
-        return "answered, not confirmed"
-    return f"{asked.answered} of {len(asked.questions)} answered"
+        return say("questionnaires.unconfirmed", "answered, not confirmed")
+    return say(
+        "questionnaires.progress",
+        "{answered} of {all} answered",
+        answered=asked.answered,
+        all=len(asked.questions),
+    )
 
 
 def _under_way(state: ConsoleState) -> UnderWay | None:
@@ -155,12 +179,15 @@ def _first_steps(state: ConsoleState) -> Iterator[FeatureStep]:
     notes = questionnaires_of(state)
     if notes.open is not None:
         title, name = notes.open.questionnaire.heading, notes.open.name
-        yield FeatureStep("q", f"go on with: {title}", opens=SHEET)
+        goes_on = say("questionnaires.go_on", "go on with: {title}", title=title)
+        yield FeatureStep("q", goes_on, opens=SHEET)
         left = AskQuestionnaire(questionnaire=name, what="left")
-        yield FeatureStep("l", "leave it unfinished", request=left)
+        leave = say("questionnaires.leave", "leave it unfinished")
+        yield FeatureStep("l", leave, request=left)
     elif due := notes.due:
         title = fit_most(notes.title(due[0]), 50, "…")
-        yield FeatureStep("q", f"ask: {title}", opens=OFFER, about=due[0])
+        ask = say("questionnaires.ask", "ask: {title}", title=title)
+        yield FeatureStep("q", ask, opens=OFFER, about=due[0])
 
 
 def _last_steps(state: ConsoleState) -> Iterator[FeatureStep]:
@@ -171,8 +198,12 @@ def _last_steps(state: ConsoleState) -> Iterator[FeatureStep]:
     first = notes.due[:1]
     others = [one for one in state.settings.study.questionnaires if one.name not in first]
     for number, one in enumerate(others[:_NUMBERED], start=1):
-        over = "  (asked already)" if one.name in notes.history.had else ""
-        yield FeatureStep(str(number), f"ask: {one.heading}{over}", opens=OFFER, about=one.name)
+        ask = (
+            say("questionnaires.ask_again", "ask: {title}  (asked already)", title=one.heading)
+            if one.name in notes.history.had
+            else say("questionnaires.ask", "ask: {title}", title=one.heading)
+        )
+        yield FeatureStep(str(number), ask, opens=OFFER, about=one.name)
 
 
 def offered(state: ConsoleState) -> FeatureStep | None:
@@ -189,14 +220,23 @@ def offered(state: ConsoleState) -> FeatureStep | None:
 def _at_end(state: ConsoleState, trial_done: bool) -> Iterator[EndQuestion]:
     notes = questionnaires_of(state)
     for name in notes.unanswered(done=trial_done) if notes.open is None else ():
-        title = f"{clean(notes.title(name))} has not been answered"
+        title = clean(notes.title(name))
+        first = say(
+            "questionnaires.end_ask", "{title} has not been answered: ask it first", title=title
+        )
+        skip = say("questionnaires.end_skip", "{title} has not been answered: skip it", title=title)
         request = AskQuestionnaire(questionnaire=name)
         answers = [
-            EndAnswer(f"{title}: ask it first", request, opens=SHEET),
-            EndAnswer(f"{title}: skip it"),
+            EndAnswer(first, request, opens=SHEET),
+            EndAnswer(skip),
         ]
         if state.study.participants:
-            answers.append(EndAnswer(f"{title}: ask at the participant's terminal", request))
+            there = say(
+                "questionnaires.end_ask_there",
+                "{title} has not been answered: ask at the participant's terminal",
+                title=title,
+            )
+            answers.append(EndAnswer(there, request))
         yield EndQuestion(f"questionnaire {name}", answers)
 
 
@@ -205,12 +245,23 @@ def _cut_off(state: ConsoleState) -> Iterator[str]:
     if notes.open is not None:
         yield f"{clean(notes.open.questionnaire.heading)}: {progress(notes.open)}"
         for name in notes.unanswered():
-            yield f"{clean(notes.title(name))} has not been answered"
+            yield say(
+                "questionnaires.unanswered_yet",
+                "{title} has not been answered",
+                title=clean(notes.title(name)),
+            )
 
 
 def _value(state: ConsoleState) -> str:
     asked = questionnaires_of(state).open
-    return f"questions {asked.answered}/{len(asked.questions)}" if asked is not None else ""
+    if asked is None:
+        return ""
+    return say(
+        "questionnaires.questions",
+        "questions {answered}/{all}",
+        answered=asked.answered,
+        all=len(asked.questions),
+    )
 
 
 CONSOLE = FeatureConsole(

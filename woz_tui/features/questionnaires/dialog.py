@@ -9,6 +9,7 @@ from textual.app import ComposeResult
 from textual.content import Content
 from textual.widget import Widget
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp, Dialog
@@ -16,6 +17,7 @@ from woz_tui.features.questionnaires.console import offered, questionnaires_of
 from woz_tui.features.questionnaires.kinds import AskQuestionnaire
 from woz_tui.features.questionnaires.widget import QuestionnaireSheet, thanks
 from woz_tui.protocol.requests import Reply
+from woz_tui.protocol.sentence import Sentence
 
 
 class QuestionnaireDialog(Dialog):
@@ -24,7 +26,7 @@ class QuestionnaireDialog(Dialog):
     it goes on where it was.
     """
 
-    heading = "Questionnaire"
+    heading = Sentence("questionnaires.heading", "Questionnaire")
 
     def __init__(self) -> None:
         super().__init__()
@@ -74,8 +76,8 @@ class QuestionnaireDialog(Dialog):
 class OfferDialog(ChoiceDialog):
     """A questionnaire is due: ask it now, or later."""
 
-    heading = "Questionnaire"
-    hint = "arrows choose · enter · ctrl+q: later"
+    heading = Sentence("questionnaires.heading", "Questionnaire")
+    hint = Sentence("questionnaires.keys", "arrows choose · enter · ctrl+q: later")
 
     def __init__(self, name: str) -> None:
         super().__init__()
@@ -86,27 +88,33 @@ class OfferDialog(ChoiceDialog):
         notes = questionnaires_of(self.state)
         one, title = notes.called(self._asked), notes.title(self._asked)
         items = sum(item.asks != "page" for item in one.items) if one is not None else 0
-        count = f"  {items} item{'' if items == 1 else 's'}" if items else ""
-        back = "It covers this screen; ctrl+q brings the console back."
-        return [((clean(title), "strong"), (count, "muted")), ((back, "plain"),)]
+        count = say("questionnaires.items", "{count} items", one="1 item", count=items)
+        back = say(
+            "questionnaires.covers", "It covers this screen; ctrl+q brings the console back."
+        )
+        behind = f"  {count}" if items else ""
+        return [((clean(title), "strong"), (behind, "muted")), ((back, "plain"),)]
 
     def choices(self) -> list[ListChoice]:
         """Where to ask it, and who answers: that is in the tables."""
         ask = partial(_ask, self.console_app, self._asked)
-        there = ListChoice(Content("At the participant's terminal"), partial(ask, here=False))
+        there = say("questionnaires.ask_there", "At the participant's terminal")
+        aloud = say("questionnaires.read_aloud", "Ask it here: I read it aloud")
+        turned = say("questionnaires.turn_screen", "Ask it here: I turn the screen round")
+        terminal = ListChoice(Content(there), partial(ask, here=False))
         return [
-            ListChoice(Content("Ask it here: I read it aloud"), partial(ask, given="read_aloud")),
-            ListChoice(Content("Ask it here: I turn the screen round"), partial(ask, given="self")),
-            *([there] if self.state.study.participants else []),
-            ListChoice(Content("Later")),
+            ListChoice(Content(aloud), partial(ask, given="read_aloud")),
+            ListChoice(Content(turned), partial(ask, given="self")),
+            *([terminal] if self.state.study.participants else []),
+            ListChoice(Content(say("questionnaires.later", "Later"))),
         ]
 
 
 class LanguageDialog(ChoiceDialog):
     """A questionnaire is in several languages: which one the participant reads."""
 
-    heading = "Questionnaire"
-    hint = "arrows choose · enter · ctrl+q: later"
+    heading = Sentence("questionnaires.heading", "Questionnaire")
+    hint = Sentence("questionnaires.keys", "arrows choose · enter · ctrl+q: later")
 
     def __init__(self, name: str, put: Callable[[str], None]) -> None:
         super().__init__()
@@ -115,7 +123,8 @@ class LanguageDialog(ChoiceDialog):
     def lines(self) -> list[Row]:
         """Which one."""
         title = questionnaires_of(self.state).title(self._asked)
-        return [((clean(title), "strong"),), (("In which language?", "plain"),)]
+        which = say("questionnaires.which_language", "In which language?")
+        return [((clean(title), "strong"),), ((which, "plain"),)]
 
     def choices(self) -> list[ListChoice]:
         """The languages of the file, that of the experiment first."""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from rich.cells import cell_len
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean, cut
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
@@ -21,6 +22,7 @@ from woz_tui.features.slots.open_slots import (
     open_slots,
     view_of,
 )
+from woz_tui.protocol.sentence import Sentence
 
 #: Cells that the sentence before a slot keeps at least, and what stands in an empty slot.
 BEFORE = 12
@@ -65,14 +67,26 @@ def next_rows(state: ConsoleState, frame: PaintFrame, action: str) -> Sequence[R
     name = f" {slot} "
     before, after = around(told, frame, len(name))
     row: Row = ((f" {before}", "strong"), (name, "flash"), (after, "strong"))
-    below: Row = (*offers(state, slot), (" asked for before it is said", "muted"))
+    asked = say("slots.asked_before", "asked for before it is said")
+    below: Row = (*offers(state, slot), (f" {asked}", "muted"))
     return [cut(each, frame.width, glyphs.ellipsis) for each in (row, below)][: frame.height]
 
 
 def _filled(message: SlotFilled, shown: EventContext) -> EventLine | None:
     if message.source == KEPT:  # its sentence says it
         return None
-    return EventLine("info", f"{message.slot}: {message.text}", message.source)
+    known = _SOURCES.get(message.source)
+    source = message.source if known is None else word(known)
+    return EventLine("info", f"{message.slot}: {message.text}", source)
+
+
+#: Where what stands in a slot came from.
+_SOURCES = {
+    "typed": Sentence("slots.typed", "typed"),
+    "offered": Sentence("slots.offered", "offered"),
+    "heard": Sentence("slots.heard", "heard"),
+    "program": Sentence("slots.program", "program"),
+}
 
 
 SENTENCES = {SlotFilled: _filled}

@@ -11,6 +11,7 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.widgets import Input, Static
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.screens.dialog import Dialog, content
@@ -135,8 +136,12 @@ class SlotDialog(Dialog):
         if self._wrong:
             row = ((f" {self._wrong}", "warn"),)
         last = self._at + 1 == len(self._slots)
-        hint = f" enter {'says it' if last else 'goes on'} · ctrl+q closes"
-        self.update("offers", content([(*row, (self.glyphs.plain(hint), "muted"))]))
+        hint = (
+            say("slots.says_it", "enter says it · ctrl+q closes")
+            if last
+            else say("slots.goes_on", "enter goes on · ctrl+q closes")
+        )
+        self.update("offers", content([(*row, (f" {self.glyphs.plain(hint)}", "muted"))]))
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """The field grows with what is typed."""
@@ -172,7 +177,8 @@ class SlotDialog(Dialog):
         try:
             self._values[self._slot] = checked_value(text)
         except SlotValueError as error:
-            self._wrong = f"{self._slot} {error}:"
+            wrong = word(error.args[0])
+            self._wrong = say("slots.wrong", "{slot} {wrong}:", slot=self._slot, wrong=wrong)
             self._show()
             return
         self._sources[self._slot] = source

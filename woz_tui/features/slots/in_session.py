@@ -87,7 +87,7 @@ class SlotsInSession(SessionFeature):
                         "slots.wrong_value",
                         "what is to stand in {name!r} {error}",
                         name=name,
-                        error=error,
+                        error=error.args[0],
                     )
                 ) from error
             source = given.sources.get(name, SOURCES[0])

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import unicodedata
 
+from woz_tui.protocol.sentence import Sentence
+
 #: Characters, at the most.
 LONGEST = 60
 #: What begins a tag of a voice, which would do something instead of being said.
@@ -19,14 +21,25 @@ class SlotValueError(ValueError):
 def checked_value(text: str) -> str:
     """The text as it is said: on one line, with single blanks. Raises `SlotValueError`."""
     if any(unicodedata.category(sign) in _UNSEEN for sign in text):
-        raise SlotValueError("has a character that nobody can see, or a second line")
+        raise SlotValueError(
+            Sentence("slots.unseen", "has a character that nobody can see, or a second line")
+        )
     value = " ".join(text.split())
     if not value:
-        raise SlotValueError("is empty")
+        raise SlotValueError(Sentence("slots.is_empty", "is empty"))
     if len(value) > LONGEST:
-        raise SlotValueError(f"has {len(value)} characters; {LONGEST} are allowed")
+        raise SlotValueError(
+            Sentence(
+                "slots.too_long",
+                "has {length} characters; {longest} are allowed",
+                length=len(value),
+                longest=LONGEST,
+            )
+        )
     if tag := next((sign for sign in value if sign in TAGS), ""):
-        raise SlotValueError(f"has {tag}, which begins a tag of a voice")
+        raise SlotValueError(
+            Sentence("slots.has_tag", "has {tag}, which begins a tag of a voice", tag=tag)
+        )
     return value
 
 

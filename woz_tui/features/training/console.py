@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from rich.cells import cell_len
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean, fit, wrap_row
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.drawing.number_text import seconds
@@ -15,29 +16,30 @@ from woz_tui.console.state.feature_notes import FeatureNotes, StudyNews
 from woz_tui.console.widgets.feature_console import Board, DialogOffer, FeatureConsole
 from woz_tui.features.training.history import TrainingHistory
 from woz_tui.features.training.kinds import CueAnswered, CueGiven, TrainingChanged
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.timeline.session_state import SessionState
 
 #: Lines of the board on a low screen, and on one of so many lines or more.
 _LOW, _HIGH, _TALL = 3, 5, 32
 _SORTS = {
-    "approach": "A visitor comes.",
-    "silence": "The visitor is silent.",
-    "turn-away": "The visitor turns away.",
-    "leave": "The visitor leaves.",
+    "approach": Sentence("training.approach", "A visitor comes."),
+    "silence": Sentence("training.silence", "The visitor is silent."),
+    "turn-away": Sentence("training.turn_away", "The visitor turns away."),
+    "leave": Sentence("training.leave", "The visitor leaves."),
 }
 #: What a wizard did with a cue: how it is said, and its look.
 _VERDICTS = {
-    "right": ("right", "good"),
-    "wrong": ("wrong", "bad"),
-    "missed": ("missed", "warn"),
-    "uncalled": ("no cue was waiting", "warn"),
+    "right": (Sentence("training.right", "right"), "good"),
+    "wrong": (Sentence("training.wrong", "wrong"), "bad"),
+    "missed": (Sentence("training.missed", "missed"), "warn"),
+    "uncalled": (Sentence("training.uncalled", "no cue was waiting"), "warn"),
 }
 #: The same in the list of events: its mark, and how it is said.
 _JUDGED = {
-    "right": ("done", "Cue answered"),
-    "wrong": ("failed", "Cue answered wrongly"),
-    "missed": ("warning", "Cue missed"),
-    "uncalled": ("warning", "No cue was waiting"),
+    "right": ("done", Sentence("training.cue_right", "Cue answered")),
+    "wrong": ("failed", Sentence("training.cue_wrong", "Cue answered wrongly")),
+    "missed": ("warning", Sentence("training.cue_missed", "Cue missed")),
+    "uncalled": ("warning", Sentence("training.no_cue", "No cue was waiting")),
 }
 
 
@@ -73,9 +75,9 @@ class TrainingNotes(FeatureNotes):
 
 def verdict_text(told: CueAnswered) -> tuple[str, str]:
     """`right, 1.24 s`, with its look."""
-    word, look = _VERDICTS.get(told.judged, (told.judged, "plain"))
+    verdict, look = _VERDICTS.get(told.judged, (told.judged, "plain"))
     took = f", {seconds(told.reaction_us)}" if told.reaction_us >= 0 else ""
-    return f"{word}{took}", look
+    return f"{word(verdict)}{took}", look
 
 
 # -- the list of events --------------------------------------------------------------------------
@@ -84,24 +86,50 @@ def verdict_text(told: CueAnswered) -> tuple[str, str]:
 def _changed(message: TrainingChanged, shown: EventContext) -> EventLine:
     if message.state == "over":
         judged = message.right + message.wrong + message.missed
-        cues = f"{judged} cue{'' if judged == 1 else 's'}"
-        return EventLine("done", f"Training over: {message.right} of {cues} right")
-    cues = f"{message.planned} cue{'' if message.planned == 1 else 's'}"
-    begins = "waits for you" if message.state == "waits" else "begins"
-    return EventLine("info", f"Training {begins}: {cues}", "nothing moves")
+        over = say(
+            "training.over",
+            "Training over: {right} of {count} cues right",
+            one="Training over: {right} of 1 cue right",
+            right=message.right,
+            count=judged,
+        )
+        return EventLine("done", over)
+    begins = (
+        say(
+            "training.waits",
+            "Training waits for you: {count} cues",
+            one="Training waits for you: 1 cue",
+            count=message.planned,
+        )
+        if message.state == "waits"
+        else say(
+            "training.begins",
+            "Training begins: {count} cues",
+            one="Training begins: 1 cue",
+            count=message.planned,
+        )
+    )
+    return EventLine("info", begins, say("training.nothing_moves", "nothing moves"))
 
 
 def _given(message: CueGiven, shown: EventContext) -> EventLine:
-    return EventLine("heard", f"Cue: {message.sort}", message.text)
+    return EventLine("heard", say("training.cue", "Cue: {sort}", sort=message.sort), message.text)
 
 
 def _answered(message: CueAnswered, shown: EventContext) -> EventLine:
-    mark, text = _JUDGED.get(message.judged, ("info", f"Cue {message.judged}"))
+    other = say("training.judged", "Cue {judged}", judged=message.judged)
+    mark, text = _JUDGED.get(message.judged, ("info", other))
     took = seconds(message.reaction_us) if message.reaction_us >= 0 else ""
     notes = shown.study.notes.of(TrainingNotes)
     names = notes.right_actions(message) if notes is not None else ()
-    right = f"right: {' or '.join(map(shown.label, names))}" if names else ""
-    return EventLine(mark, text, ", ".join(filter(None, (took, right))))
+    right = ""
+    for label in map(shown.label, names):
+        right = (
+            say("training.or_right", "{right} or {label}", right=right, label=label)
+            if right
+            else say("training.was_right", "right: {label}", label=label)
+        )
+    return EventLine(mark, word(text), ", ".join(filter(None, (took, right))))
 
 
 SENTENCES = {TrainingChanged: _changed, CueGiven: _given, CueAnswered: _answered}
@@ -127,7 +155,7 @@ def _rows(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
     if cue is not None:
         given = cue.given
         text = f"\N{LEFT DOUBLE QUOTATION MARK}{given.text}\N{RIGHT DOUBLE QUOTATION MARK}"
-        words = plain(clean(text if given.text else _SORTS.get(given.sort, given.sort)))
+        words = plain(clean(text if given.text else word(_SORTS.get(given.sort, given.sort))))
         wrapped = wrap_row(((words, "strong"),), 0, frame.width)
         lines = ["".join(piece for piece, _ in row).strip() for row in wrapped]
         room = max(1, frame.height - 1)
@@ -138,7 +166,7 @@ def _rows(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:
     elif notes is not None and notes.judged is not None:
         rows = [verdict_text(notes.judged), ("", "plain")]
     else:
-        rows = [("The first cue comes soon.", "muted"), ("", "plain")]
+        rows = [(say("training.soon", "The first cue comes soon."), "muted"), ("", "plain")]
     shown: list[Row] = []
     for text, look in rows:
         line = plain(clean(text))

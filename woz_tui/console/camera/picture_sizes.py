@@ -7,6 +7,7 @@ import binascii
 import zlib
 from dataclasses import dataclass
 
+from woz_tui.config.screen_language import say
 from woz_tui.protocol.camera_pictures import PictureShown
 
 #: Width and height of a cell in pixels, where the terminal does not tell.
@@ -55,9 +56,18 @@ def unpacked(shown: PictureShown) -> bytes:
     try:
         rgb = unpacker.decompress(base64.b64decode(shown.data, validate=True), size + 1)
     except (zlib.error, binascii.Error, ValueError) as error:
-        raise PictureError(f"the picture cannot be read: {error}") from error
+        raise PictureError(
+            say("camera.unreadable", "the picture cannot be read: {error}", error=error)
+        ) from error
     if len(rgb) != size or size <= 0:
-        raise PictureError(f"the picture has {len(rgb)} bytes instead of {size}")
+        raise PictureError(
+            say(
+                "camera.wrong_size",
+                "the picture has {length} bytes instead of {size}",
+                length=len(rgb),
+                size=size,
+            )
+        )
     return rgb
 
 

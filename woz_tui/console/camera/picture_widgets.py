@@ -15,6 +15,7 @@ from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.camera import kitty
 from woz_tui.console.camera.half_blocks import HalfBlockCanvas, style
 from woz_tui.console.camera.picture_sizes import CellArea, resized, shrunk_size, unpacked
@@ -98,7 +99,9 @@ class HalfBlockView(PictureView):
         super().__init__()
         self._canvas = HalfBlockCanvas(1, 1, depth)
         self._strips: dict[int, Strip] = {}
-        self.word = "half blocks" if depth else "signs"
+        self.word = (
+            say("camera.half_blocks", "half blocks") if depth else say("camera.signs", "signs")
+        )
 
     @property
     def canvas(self) -> HalfBlockCanvas:

@@ -8,6 +8,7 @@ from textual.binding import Binding, BindingType
 from textual.content import Content
 from textual.fuzzy import Matcher
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.replay.timeline import sign_of
 from woz_tui.console.screens.choice import SearchDialog
@@ -17,6 +18,7 @@ from woz_tui.console.screens.note import NoteDialog
 from woz_tui.console.state.engagement_text import short_state
 from woz_tui.console.state.replay import TimelinePlace, wall_time
 from woz_tui.protocol.requests import AskMarker, AskReplay, Reply
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.protocol.welcome import ReplayedLog
 from woz_tui.replay.seek import time_of
 from woz_tui.system.text_cleaning import elapsed
@@ -27,9 +29,11 @@ TIME, SORT = 8, 14
 class GoDialog(SearchDialog[TimelinePlace]):
     """Type `12:34`, or a few letters of a marker; arrows choose among all places."""
 
-    heading = "Go to"
-    hint = "enter goes there · arrows choose · ctrl+q closes"
-    placeholder = "12:34, or a few letters of a marker, note, trial, stop ..."
+    heading = Sentence("replay.go_to", "Go to")
+    hint = Sentence("replay.go_keys", "enter goes there · arrows choose · ctrl+q closes")
+    placeholder = Sentence(
+        "replay.go_what", "12:34, or a few letters of a marker, note, trial, stop ..."
+    )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("pageup", "choose(-10)", priority=True),
         Binding("pagedown", "choose(10)", priority=True),
@@ -41,9 +45,14 @@ class GoDialog(SearchDialog[TimelinePlace]):
         places = list(replay.places) if replay is not None else []
         t = time_of(typed)
         if t is not None:
-            return [TimelinePlace(t, "time", "this time"), *(p for p in places if p.t >= t)]
+            return [
+                TimelinePlace(t, "time", say("replay.this_time", "this time")),
+                *(p for p in places if p.t >= t),
+            ]
         matcher = Matcher(typed)
-        return [p for p in places if not typed or matcher.match(f"{p.sort} {_place_text(p)}")]
+        return [
+            p for p in places if not typed or matcher.match(f"{_sort(p.sort)} {_place_text(p)}")
+        ]
 
     def first(self, typed: str) -> int:
         """The next one after now, as long as nothing is typed."""
@@ -59,7 +68,7 @@ class GoDialog(SearchDialog[TimelinePlace]):
             "  ",
             (sign, colour),
             "  ",
-            (fit(item.sort, SORT, self.glyphs.ellipsis), "$woz-muted"),
+            (fit(_sort(item.sort), SORT, self.glyphs.ellipsis), "$woz-muted"),
             clean(_place_text(item)),
         )
 
@@ -68,6 +77,28 @@ class GoDialog(SearchDialog[TimelinePlace]):
         to = f"{item.t / 1_000_000:.6f}" if item is not None else typed
         if to:
             self.requests.ask(AskReplay(what="go", to=to))
+
+
+#: Sorts of places, of so many cells as they have in the list at the most.
+_SORTS = {
+    "time": Sentence("replay.time", "time"),
+    "stop": Sentence("replay.stop", "stop"),
+    "lost": Sentence("replay.lost", "lost"),
+    "mistake": Sentence("replay.mistake", "mistake"),
+    "marker": Sentence("replay.marker", "marker"),
+    "code": Sentence("replay.code", "code"),
+    "note": Sentence("replay.note", "note"),
+    "questionnaire": Sentence("replay.questionnaire", "questionnaire"),
+    "trial": Sentence("replay.trial", "trial"),
+    "phase": Sentence("replay.phase", "phase"),
+    "break": Sentence("replay.break", "break"),
+    "engagement": Sentence("replay.engagement", "engagement"),
+    "end": Sentence("replay.end", "end"),
+}
+
+
+def _sort(sort: str) -> str:
+    return word(_SORTS.get(sort, sort))
 
 
 def _place_text(place: TimelinePlace) -> str:
@@ -104,9 +135,12 @@ class _PausesReplay(Dialog):
 class CodeDialog(_PausesReplay, SearchDialog[str]):
     """Type a code, or choose one that was set before."""
 
-    heading = "Code"
-    hint = "enter sets it · arrows choose · ctrl+q closes"
-    placeholder = 'a code, e.g. smiles; or tier: code, e.g. gaze: robot ("gaze:" ends it)'
+    heading = Sentence("replay.code_heading", "Code")
+    hint = Sentence("replay.code_keys", "enter sets it · arrows choose · ctrl+q closes")
+    placeholder = Sentence(
+        "replay.code_what",
+        'a code, e.g. smiles; or tier: code, e.g. gaze: robot ("gaze:" ends it)',
+    )
 
     def matching(self, typed: str) -> list[str]:
         """What is typed, then codes of before that begin so, the latest in the log first."""
@@ -128,22 +162,35 @@ class CodeDialog(_PausesReplay, SearchDialog[str]):
 class CodeNoteDialog(_PausesReplay, NoteDialog):
     """Type a sentence about this moment; it goes into the file of codes."""
 
-    hint = "enter writes it beside the log · ctrl+q closes"
+    hint = Sentence("replay.note_keys", "enter writes it beside the log · ctrl+q closes")
 
 
 NAME = 14
+#: Facts of a log, of so many cells at the most.
+_FACTS = {
+    "log": Sentence("replay.fact_log", "log"),
+    "began": Sentence("replay.fact_began", "began"),
+    "length": Sentence("replay.fact_length", "length"),
+    "session": Sentence("replay.fact_session", "session"),
+    "participant": Sentence("replay.fact_participant", "participant"),
+    "condition": Sentence("replay.fact_condition", "condition"),
+    "wizard": Sentence("replay.fact_wizard", "wizard"),
+    "experiment": Sentence("replay.fact_experiment", "experiment"),
+    "software": Sentence("replay.fact_software", "software"),
+}
 
 
 class ReplayHelp(HelpDialog):
     """The keys of the replay, then those of the session as they were."""
 
-    heading = "Keys of the replay"
+    heading = Sentence("replay.keys_heading", "Keys of the replay")
 
     def lines(self) -> list[Row]:
         """Key and meaning, one a line."""
         first, *others = super().lines()
         del first
-        return [(("Replay: the keys of the panels play nothing", "title"),), *others]
+        nothing = say("replay.play_nothing", "Replay: the keys of the panels play nothing")
+        return [((nothing, "title"),), *others]
 
     def _by_hand(self) -> list[Row]:
         """None: a replay has no overrides."""
@@ -153,8 +200,8 @@ class ReplayHelp(HelpDialog):
 class AboutDialog(ReportDialog):
     """The log: which session, which experiment, how whole it is."""
 
-    heading = "This log"
-    hint = "ctrl+q closes"
+    heading = Sentence("replay.about", "This log")
+    hint = Sentence("replay.about_keys", "ctrl+q closes")
     size_class = "wide"
 
     def lines(self) -> list[Row]:
@@ -173,12 +220,18 @@ class AboutDialog(ReportDialog):
             **{name: getattr(told, name) for name in ("wizard", "experiment", "software")},
         }
         rows: list[Row] = [
-            ((fit(name, NAME), "muted"), (clean(str(value)), "plain"))
+            ((fit(word(_FACTS[name]), NAME), "muted"), (clean(str(value)), "plain"))
             for name, value in facts.items()
             if value not in ("", None)
         ]
         rows.append(())
         if not told.notes:
-            return [*rows, ((f"{self.glyphs.yes} ", "good"), ("The log is complete.", "plain"))]
+            return [
+                *rows,
+                (
+                    (f"{self.glyphs.yes} ", "good"),
+                    (say("replay.complete", "The log is complete."), "plain"),
+                ),
+            ]
         mark = (f"{self.glyphs.warning} ", "warn")
         return [*rows, *((mark, (clean(note), "plain")) for note in told.notes)]

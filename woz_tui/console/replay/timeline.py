@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from rich.cells import cell_len
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Piece, Row, cut, fit, length, spread
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.meter_rows import merge_pieces
@@ -21,6 +22,7 @@ from woz_tui.console.widgets.bottom_rows import (
     sentence_rows,
     upcoming,
 )
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.text_cleaning import elapsed
 
 #: The most important first: they share cells of the line. Sign and look.
@@ -38,6 +40,8 @@ SIGNS: Mapping[str, tuple[str, str]] = {
 }
 #: Cells of the line at least; below that it is left out.
 LEAST = 8
+#: What the key that lists the keys does.
+KEYS = Sentence("replay.hint_keys", "keys")
 #: Columns from which hints stand behind the line.
 ROOMY = 140
 
@@ -78,7 +82,8 @@ def time_row(
     """Where the replay is: state, time, the line with its places, clock of then, speed."""
     replay, glyphs = state.replay, frame.glyphs
     if replay is None:
-        return ((fit(f" reading the log{glyphs.ellipsis}", frame.width), "muted"),)
+        reading = say("replay.reading", "reading the log")
+        return ((fit(f" {reading}{glyphs.ellipsis}", frame.width), "muted"),)
     now = min(frame.now, replay.length_us) if replay.length_us else frame.now
     if replay.ended:
         plays: Piece = (f" {glyphs.stopped}  ", "muted")
@@ -93,10 +98,11 @@ def time_row(
     if clock := wall_time(state.settings, now):
         right += ((f"{clock:%H:%M:%S} UTC ", "plain"),)
     if replay.cut_us:
-        right += ((f"{elapsed(replay.cut_us)} cut ", "wait"),)
+        cut_out = say("replay.cut", "{time} cut", time=elapsed(replay.cut_us))
+        right += ((f"{cut_out} ", "wait"),)
     right += ((f"{f'{replay.rate:g}x':>5} ", "plain" if replay.rate == 1 else "strong"),)
-    for key, word in [hint for hint in hints if hint[1] == "keys"][:1]:
-        right += ((key, "strong"), (f" {word} ", "muted"))
+    for key, does in [hint for hint in hints if hint[1] == word(KEYS)][:1]:
+        right += ((key, "strong"), (f" {does} ", "muted"))
     if frame.width >= ROOMY:
         right += hint_row(hints[:4], frame.width // 3)
     room = frame.width - length(left) - length(right)

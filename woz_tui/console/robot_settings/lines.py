@@ -6,13 +6,14 @@ import enum
 from collections.abc import Collection
 from dataclasses import dataclass
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.robot_settings.step_sizes import steps_offered
 from woz_tui.protocol.robot_outline import RobotOutline, Setting
+from woz_tui.protocol.sentence import Sentence
 
-CONNECTION = "Connection"
+CONNECTION = Sentence("settings.connection", "Connection")
 #: Where NAOqi listens, plain and secured; drivers leave them out where they name a robot.
 _USUAL_PORTS = ("9559", "9503")
-_ADDRESSES = "a host name, tcp://HOST:PORT or tcps://USER@HOST:PORT"
 
 
 class LineKind(enum.Enum):
@@ -67,10 +68,15 @@ def lines_of(outline: RobotOutline, verbs: Collection[str]) -> list[SettingLine]
             SettingLine(LineKind.ROBOT, _link(name, name, "connect", "robot"))
             for name in dict.fromkeys(outline.robots)
         ]
-        other = _link("", "Another address", "connect", "robot", hint=_ADDRESSES)
+        addresses = say(
+            "settings.addresses", "a host name, tcp://HOST:PORT or tcps://USER@HOST:PORT"
+        )
+        another = say("settings.another_address", "Another address")
+        other = _link("", another, "connect", "robot", hint=addresses)
         found.append(SettingLine(LineKind.ADDRESS, other))
     if "disconnect" in verbs:
-        found.append(SettingLine(LineKind.DISCONNECT, _link("", "Disconnect", "disconnect")))
+        lets_go = _link("", say("settings.disconnect", "Disconnect"), "disconnect")
+        found.append(SettingLine(LineKind.DISCONNECT, lets_go))
     return found + [SettingLine(LineKind.STEP, setting) for setting in steps_offered(verbs)]
 
 

@@ -15,6 +15,7 @@ from rich.segment import Segment
 from rich.style import Style
 from textual.strip import Strip
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Cells, Piece, Row, clean, cut, fit, length, spread
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.robot_settings.view import LineView, RobotView
@@ -45,7 +46,10 @@ class ListPosition:
 def settings_rows(view: RobotView, place: ListPosition, frame: PaintFrame) -> list[Row]:
     """The whole screen: as many rows as the frame is high."""
     glyphs, lines = frame.glyphs, view.lines
-    which = f" {place.robot + 1} of {place.robots}" if place.robots > 1 else ""
+    number_of = say(
+        "settings.robot_of", "{robot} of {robots}", robot=place.robot + 1, robots=place.robots
+    )
+    which = f" {number_of}" if place.robots > 1 else ""
     state, look = view.state
     robot: Row = (
         (f" {clean(view.driver)}", "title"),
@@ -61,8 +65,12 @@ def settings_rows(view: RobotView, place: ListPosition, frame: PaintFrame) -> li
         listed.append(_line(line, number == place.chosen, place.colours, frame))
     room = list_room(frame)
     shown = listed[place.top : place.top + room]
-    sides = {"above": place.top, "below": len(listed) - place.top - room}
-    told = ", ".join(f"{hidden} {side}" for side, hidden in sides.items() if hidden > 0)
+    hidden = len(listed) - place.top - room
+    sides = (
+        say("settings.above", "{lines} above", lines=place.top) if place.top > 0 else "",
+        say("settings.below", "{lines} below", lines=hidden) if hidden > 0 else "",
+    )
+    told = ", ".join(filter(None, sides))
     words = f" {told} " if told else ""
     rule = glyphs.rule * max(0, frame.width - len(words) - 1)
     about = lines[place.chosen].about if place.chosen < len(lines) else ()
@@ -109,7 +117,8 @@ def _conflicts(view: RobotView, rows: int, frame: PaintFrame) -> list[Row]:
     texts = [f"{sign} {frame.glyphs.plain(clean(text))}" for text in view.conflicts]
     for kept in range(len(texts), 0, -1):
         more = len(texts) - kept
-        told = [*texts[:kept], *([f"{sign} and {more} more"] if more else [])]
+        others = say("settings.and_more", "and {more} more", more=more)
+        told = [*texts[:kept], *([f"{sign} {others}"] if more else [])]
         wrapped = [row for text in told for row in _wrapped(text, "warn", frame)]
         if len(wrapped) <= rows:
             return [*wrapped, *[()] * (rows - len(wrapped))]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rich.cells import cell_len
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import clean
 from woz_tui.protocol.messages import SettingsShown
 
@@ -29,12 +30,27 @@ def trouble_words(robot: SettingsShown, names: str = "", first: str = "") -> str
     differ, conflicts = len(robot.wanted), len(robot.conflicts)
     found = []
     if differ:
-        count = "1 setting differs" if differ == 1 else f"{differ} settings differ"
-        found.append(f"{names} not as wanted" if names else count)
-    if conflicts and first:
-        found.append(first if conflicts == 1 else f"{first}, {conflicts - 1} more")
+        found.append(
+            say("settings.not_as_wanted", "{names} not as wanted", names=names)
+            if names
+            else say(
+                "settings.differ",
+                "{count} settings differ",
+                one="1 setting differs",
+                count=differ,
+            )
+        )
+    if conflicts == 1 and first:
+        found.append(first)
+    elif conflicts and first:
+        others = conflicts - 1
+        found.append(
+            say("settings.more_conflicts", "{first}, {others} more", first=first, others=others)
+        )
     elif conflicts:
-        found.append("1 conflict" if conflicts == 1 else f"{conflicts} conflicts")
+        found.append(
+            say("settings.conflicts", "{count} conflicts", one="1 conflict", count=conflicts)
+        )
     return ", ".join(found)
 
 

@@ -6,6 +6,7 @@ import math
 import re
 from decimal import Decimal, InvalidOperation
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.robot_outline import Setting
@@ -28,7 +29,7 @@ def value_text(setting: Setting, value: Json, glyphs: Glyphs) -> str:
     if value is None or value == "":
         return glyphs.dash
     if isinstance(value, bool):
-        return "on" if value else "off"
+        return say("settings.is_on", "on") if value else say("settings.is_off", "off")
     if isinstance(value, int | float) and setting.kind == "number":
         if not setting.verb and is_share(setting.name, value, setting.unit):
             return percent(value)
@@ -76,7 +77,10 @@ def typed_value(setting: Setting, typed: str) -> Json:
     """
     if setting.verb == "connect" and _PASSWORD.search(typed):
         raise SettingValueError(
-            "No password here: it belongs in the environment. See docs/how-to/pepper.md."
+            say(
+                "settings.no_password",
+                "No password here: it belongs in the environment. See docs/how-to/pepper.md.",
+            )
         )
     if setting.kind != "number":
         return typed
@@ -84,23 +88,39 @@ def typed_value(setting: Setting, typed: str) -> Json:
     try:
         value = float(bare)
     except ValueError:
-        raise SettingValueError(f"{typed!r} is not a number; type {_range(setting)}.") from None
+        raise SettingValueError(
+            say(
+                "settings.no_number",
+                "{typed!r} is not a number; type {range}.",
+                typed=typed,
+                range=_range(setting),
+            )
+        ) from None
     if not setting.low <= value <= setting.high:  # NaN is not, either
-        raise SettingValueError(f"{bare} is out of range; type {_range(setting)}.")
+        raise SettingValueError(
+            say(
+                "settings.out_of_range",
+                "{typed} is out of range; type {range}.",
+                typed=bare,
+                range=_range(setting),
+            )
+        )
     return _rounded(setting, value)
 
 
 def allowed_values(setting: Setting) -> str:
     """What may be set, in a few words."""
     if setting.kind == "number":
-        return f"{_range(setting)}, by {number_text(setting, setting.step)}"
+        step = number_text(setting, setting.step)
+        return say("settings.range_step", "{range}, by {step}", range=_range(setting), step=step)
     if setting.kind == "choice":
         return ", ".join(setting.choices)
-    return "a name or #rrggbb" if setting.kind == "color" else ""
+    return say("settings.color", "a name or #rrggbb") if setting.kind == "color" else ""
 
 
 def _range(setting: Setting) -> str:
-    return f"{number_text(setting, setting.low)} to {number_text(setting, setting.high)}"
+    low, high = number_text(setting, setting.low), number_text(setting, setting.high)
+    return say("settings.range", "{low} to {high}", low=low, high=high)
 
 
 def _rounded(setting: Setting, value: float) -> Json:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Piece, clean
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.drawing.number_text import age
@@ -23,6 +24,7 @@ from woz_tui.console.state.remedy_text import remedy_text
 from woz_tui.protocol.messages import Json, SettingsShown
 from woz_tui.protocol.panels import covers_verb
 from woz_tui.protocol.robot_outline import RobotOutline
+from woz_tui.protocol.sentence import Sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,13 +109,15 @@ class SettingViewer:
         known = self._picture.drivers.get(driver)
         health = self._picture.health(driver)
         if known is None or health == "unknown":
-            return f"{self._glyphs.no} not heard of yet", "muted"
+            return f"{self._glyphs.no} {say('settings.unknown', 'not heard of yet')}", "muted"
         if health == "connected":
-            return f"{self._glyphs.yes} {known.detail or 'connected'}", "good"
+            told = known.detail or say("settings.connected", "connected")
+            return f"{self._glyphs.yes} {told}", "good"
         if health == "lost":
-            return f"{self._glyphs.error} lost {age(now - known.t)} ago", "bad"
+            ago = say("settings.lost_ago", "lost {age} ago", age=age(now - known.t))
+            return f"{self._glyphs.error} {ago}", "bad"
         why = f": {known.detail}" if known.detail and health == "faulted" else ""
-        return f"{self._glyphs.warning} {health}{why}", "warn"
+        return f"{self._glyphs.warning} {word(_HEALTH.get(health, health))}{why}", "warn"
 
     def _line(self, driver: str, line: SettingLine, stale: bool) -> LineView:
         setting, glyphs = line.setting, self._glyphs
@@ -128,14 +132,14 @@ class SettingViewer:
             label = setting.label  # an address stays as it is
             here = robot.values.get("robot")
             if isinstance(here, str) and bare_address(here) == bare_address(setting.name):
-                text = f"{glyphs.yes} this one"
+                text = f"{glyphs.yes} {say('settings.this_one', 'this one')}"
         wanted = ""
         if read and not stale and setting.name in robot.wanted:
             wanted = value_text(setting, robot.wanted[setting.name], glyphs)
         old = stale and line.kind is not LineKind.STEP
         signs, sentences = self._signs_and_sentences(driver, line, text, wanted)
         return LineView(
-            setting.section,
+            word(setting.section),
             label,
             f"{glyphs.stale} {text}" if old and text not in ("", glyphs.dash) else text,
             color="" if old or setting.kind != "color" else color_of(value),
@@ -155,20 +159,33 @@ class SettingViewer:
         signs: list[Piece] = []
         sentences: list[Piece] = []
         if refusal:
-            sentences.append((f"{glyphs.refused} Not done: {refusal}", "bad"))
+            not_done = say("settings.not_done", "Not done: {why}", why=refusal)
+            sentences.append((f"{glyphs.refused} {not_done}", "bad"))
         if panel := self.locked(driver, line):
-            signs = [(f"{glyphs.locked} locked with {panel}", "warn")]
-            sentences.append((f"{glyphs.locked} Unlock {panel} to change it.", "warn"))
+            locked = say("settings.locked_with", "locked with {panel}", panel=panel)
+            unlock = say("settings.unlock", "Unlock {panel} to change it.", panel=panel)
+            signs = [(f"{glyphs.locked} {locked}", "warn")]
+            sentences.append((f"{glyphs.locked} {unlock}", "warn"))
         if wanted:
-            sentence = f"{glyphs.warning} Wanted: {wanted}; the robot has {text}."
-            sentences.append((sentence, "warn"))
+            has = say(
+                "settings.wanted_has",
+                "Wanted: {wanted}; the robot has {has}.",
+                wanted=wanted,
+                has=text,
+            )
+            sentences.append((f"{glyphs.warning} {has}", "warn"))
         if panel:
             return signs, sentences
         if (awaited := self._requests.awaited(driver, line)) is not None:
-            asked = value_text(line.setting, awaited, glyphs) if line.is_set else "asked"
+            asked = (
+                value_text(line.setting, awaited, glyphs)
+                if line.is_set
+                else say("settings.asked", "asked")
+            )
             signs.append((f"{glyphs.next} {asked}", "run"))
         elif wanted:
-            signs.append((f"{glyphs.warning} wanted {wanted}", "warn"))
+            differs = say("settings.wanted", "wanted {wanted}", wanted=wanted)
+            signs.append((f"{glyphs.warning} {differs}", "warn"))
         if refusal:
             signs.append((f"{glyphs.refused} {refusal}", "bad"))
         return signs, sentences
@@ -177,17 +194,28 @@ class SettingViewer:
         words = [line.setting.help, allowed_values(line.setting) if line.is_set else ""]
         if line.kind is LineKind.SETTING and not line.is_set:
             connects = line.setting.verb == "connect"
-            words.append(f"chosen under {CONNECTION}" if connects else "only shown")
+            words.append(
+                say("settings.chosen_under", "chosen under {section}", section=CONNECTION)
+                if connects
+                else say("settings.only_shown", "only shown")
+            )
         if line.setting.section == CONNECTION:
-            words.append(_CONNECTION[line.kind])
+            words.append(word(_CONNECTION[line.kind]))
         told = "; ".join(filter(None, words))
         return ((self._glyphs.plain(told), "muted"),) if told else ()
 
 
 _CONNECTION = {
-    LineKind.ROBOT: "enter connects to this robot",
-    LineKind.ADDRESS: "enter asks for the address of any robot",
-    LineKind.DISCONNECT: "enter lets go of the robot; it is not looked for any more",
+    LineKind.ROBOT: Sentence("settings.enter_connects", "enter connects to this robot"),
+    LineKind.ADDRESS: Sentence("settings.enter_address", "enter asks for the address of any robot"),
+    LineKind.DISCONNECT: Sentence(
+        "settings.enter_disconnects", "enter lets go of the robot; it is not looked for any more"
+    ),
+}
+#: How a driver is that is neither connected nor lost.
+_HEALTH = {
+    "connecting": Sentence("settings.connecting", "connecting"),
+    "faulted": Sentence("settings.faulted", "faulted"),
 }
 
 

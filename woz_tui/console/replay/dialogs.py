@@ -201,7 +201,6 @@ class AboutDialog(ReportDialog):
     """The log: which session, which experiment, how whole it is."""
 
     heading = Sentence("replay.about", "This log")
-    hint = Sentence("replay.about_keys", "ctrl+q closes")
     size_class = "wide"
 
     def lines(self) -> list[Row]:

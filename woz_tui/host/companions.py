@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from woz_tui.protocol.messages import Notice
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.retry_pauses import RetryPauses
 from woz_tui.system.tasks import end_tasks
 from woz_tui.system.text_cleaning import one_line
@@ -101,8 +102,16 @@ class Companion:
             works = time.monotonic() - began >= _WORKS_S
             if works or said != self._last_words:
                 self._last_words = said
-                what = "has ended and is started again" if works else "does not run"
-                text = f"{self._called} {what}{said and f': {said}'}"
+                called = self._called
+                text = Sentence("host.not_running", "{program} does not run", program=called)
+                if works:
+                    text = Sentence(
+                        "host.started_again",
+                        "{program} has ended and is started again",
+                        program=called,
+                    )
+                if said:
+                    text = Sentence("session.said_of", "{who}: {what}", who=text, what=said)
                 self._publish(Notice(level="warning", text=text))
             await asyncio.sleep(pauses.after(works))
 

@@ -111,8 +111,16 @@ class RemoteAccess:
             self._listening, self._trouble = listening, ""
             host, _, port = listening.rpartition(":")
             everywhere = host in ("0.0.0.0", "[::]")
-            where = f"port {port} of this computer" if everywhere else listening
-            self._tell("info", f"Other machines can join at {where}")
+            text = Sentence(
+                "host.join_at", "Other machines can join at {address}", address=listening
+            )
+            if everywhere:
+                text = Sentence(
+                    "host.join_by_port",
+                    "Other machines can join at port {port} of this computer",
+                    port=port,
+                )
+            self._tell("info", text)
         elif refused := announced.get("refused"):
             self._tell(
                 "warning",

@@ -323,7 +323,7 @@ class RequestHandlers:
             return filled_call(call, self._session.values())
         except MissingValueError as error:
             raise RequestError(
-                str(error),
+                error.reason,
                 Sentence("host.braces", "to write a brace, double it: {{{{ or }}}}"),
             ) from error
 
@@ -442,12 +442,15 @@ class RequestHandlers:
         except RequestError as error:
             return _refused(client, request, error)
         except ExperimentError as error:
-            count = len(error.problems)
             reply = Reply(
                 ref=request.ref,
                 ok=False,
-                reason=f"the file has {count} error{'' if count == 1 else 's'};"
-                " nothing was changed",
+                reason=Sentence(
+                    "host.file_wrong",
+                    "the file has {count} errors; nothing was changed",
+                    one="the file has 1 error; nothing was changed",
+                    count=len(error.problems),
+                ),
                 hint=Sentence(
                     "host.woz_check",
                     "`woz check {name}` tells what is wrong",
@@ -476,7 +479,11 @@ class RequestHandlers:
             copy = await asyncio.to_thread(write_beside, path, copy)
             session.saved_sentences = typed, str(copy.file)
             data["written"] = True
-            text = f"Typed sentences are in {copy.file.name}, a copy of the experiment file"
+            text = Sentence(
+                "host.typed_kept",
+                "Typed sentences are in {file}, a copy of the experiment file",
+                file=copy.file.name,
+            )
             if not session.ended:
                 session.hub.publish(Notice(level="info", text=text))
         return {**data, "sentences": copy.sentences, "file": str(copy.file), "diff": [*copy.diff]}
@@ -489,7 +496,11 @@ class RequestHandlers:
         difference = compare(without_typed(self._session.experiment), experiment)
         if difference.drivers:
             raise RequestError(
-                "the drivers changed: " + "; ".join(difference.drivers),
+                Sentence(
+                    "host.drivers_changed",
+                    "the drivers changed: {changes}",
+                    changes="; ".join(difference.drivers),
+                ),
                 Sentence(
                     "host.start_anew",
                     "end the session and start it again to use other drivers",

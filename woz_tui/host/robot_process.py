@@ -236,9 +236,11 @@ def _tell_left_out(session: Session, left_out: tuple[str, ...]) -> None:
     """Without the code itself: the wizard may be blind to the conditions."""
     without = {each.start.what: each.start.without for each in features().values() if each.start}
     for what in left_out:
-        remedy = f"choose the {what} again"
+        remedy = Sentence("host.choose_again", "choose the {what} again", what=what)
         if without.get(what):
-            remedy += f"; until then {without[what]}"
+            remedy = Sentence(
+                "host.until_then", "{what}; until then {then}", what=remedy, then=without[what]
+            )
         session.hub.publish(
             m.Notice(
                 level="warning",
@@ -295,7 +297,11 @@ async def _serve(
         await session.open()
         _tell_left_out(session, options.left_out)
         if doubt:
-            text = f"nobody knows which codes were withdrawn: {doubt}"
+            text = Sentence(
+                "host.withdrawals_unknown",
+                "nobody knows which codes were withdrawn: {doubt}",
+                doubt=doubt,
+            )
             session.hub.publish(m.Notice(level="warning", text=text))
         if not options.kind:
             await session.features.prepare()

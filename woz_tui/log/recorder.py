@@ -39,6 +39,7 @@ from woz_tui.log.log_segment import (
 )
 from woz_tui.protocol import codec
 from woz_tui.protocol.messages import Message, RecorderState, Segment, StopPressed
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.clock import Clock, timestamp
 
 WARN_US = 250_000
@@ -361,8 +362,8 @@ class Recorder:
         if self._writable or self._waived:
             return ""
         if failed := self._failed:
-            return f"the log is not written ({failed})"
-        return "the log is just moving to another folder"
+            return Sentence("log.not_written", "the log is not written ({why})", why=failed)
+        return Sentence("log.moving", "the log is just moving to another folder")
 
     def waive(self, t: int) -> bool:
         """From the moment `t` on, and until a folder takes the log, it is no reason for a refusal
@@ -469,7 +470,11 @@ class Recorder:
             reason = self._reason
             if not reason and waited >= self._stall_us:
                 self._stall_us *= 2
-                reason = f"the disk has not responded for {waited // 1_000_000} s"
+                reason = Sentence(
+                    "log.no_response",
+                    "the disk has not responded for {seconds} s",
+                    seconds=waited // 1_000_000,
+                )
             if self._writable and not reason:
                 self._failed = ""
                 if self._segment and not self._segment.takes_samples:
@@ -631,7 +636,12 @@ class Recorder:
                     problem = ""
                     break
                 except OSError as error:
-                    problem = f"{file.path.name} was deleted and not copied: {disk_problem(error)}"
+                    problem = Sentence(
+                        "log.deleted",
+                        "{file} was deleted and not copied: {why}",
+                        file=file.path.name,
+                        why=disk_problem(error),
+                    )
             with self._lock:
                 self._unrescued = problem or self._unrescued
 
@@ -664,43 +674,69 @@ class Recorder:
 
     def _state(self) -> RecorderState:
         """How the log is: in figures, and in words what is wrong with it and what to do."""
-        parts, remedy = [], ""
+        parts: list[str] = []
+        remedy = ""
         path = without_home(self.path)
         has_samples = self._segment is None or self._segment.takes_samples
         if self._failed and self._writable:
-            parts.append(
-                f"{self._reason or 'the disk does not respond'}; no other folder takes the log"
+            dead = Sentence("log.dead_disk", "the disk does not respond")
+            parts += (
+                self._reason or dead,
+                Sentence("log.no_other_folder", "no other folder takes the log"),
             )
-            remedy = "free space, or connect the disk again"
+            remedy = Sentence("log.free_space", "free space, or connect the disk again")
         elif self._failed:
-            goes_on = "; the wizard goes on without a record" if self._waived else ""
             parts.append(
-                f"the log cannot be written to any folder ({self._failed}); it is kept in memory"
-                f"{goes_on}"
+                Sentence(
+                    "log.in_memory",
+                    "the log cannot be written to any folder ({why}); it is kept in memory",
+                    why=self._failed,
+                )
             )
-            remedy = "free space, or connect the disk again; the log is then written"
+            if self._waived:
+                parts.append(Sentence("log.unrecorded", "the wizard goes on without a record"))
+            remedy = Sentence(
+                "log.written_then",
+                "free space, or connect the disk again; the log is then written",
+            )
         elif self._reason:
-            parts.append(f"{self._reason}; searching for another folder")
+            parts += (
+                self._reason,
+                Sentence("log.searching", "searching for another folder"),
+            )
         elif self._moved_us is not None and self._move_reason:
-            parts.append(f"{self._move_reason}; the log goes on in {path}")
-            remedy = "after the session, put all files of this log into one folder"
+            parts += (
+                self._move_reason,
+                Sentence("log.goes_on_in", "the log goes on in {path}", path=path),
+            )
+            remedy = Sentence(
+                "log.put_together",
+                "after the session, put all files of this log into one folder",
+            )
         elif self._health.level != "ok":
-            parts.append("the disk is slow")
-            remedy = "stop other programs that write to this disk"
+            parts.append(Sentence("log.slow_disk", "the disk is slow"))
+            remedy = Sentence("log.stop_others", "stop other programs that write to this disk")
         if not has_samples and not self._failed:
-            parts.append("there is no space for samples")
-            remedy = remedy or "free space; samples are written again as soon as there is room"
+            parts.append(Sentence("log.no_samples", "there is no space for samples"))
+            remedy = remedy or Sentence(
+                "log.samples_again",
+                "free space; samples are written again as soon as there is room",
+            )
         if self._unrescued:
             parts.append(self._unrescued)
-        kinds = ("lines are", "samples are")
-        parts += [
-            f"{count} {kind} lost" for count, kind in zip(self._lost, kinds, strict=True) if count
-        ]
+        lines, samples = self._lost
+        if lines:
+            parts.append(Sentence("log.lost_lines", "{count} lines are lost", count=lines))
+        if samples:
+            parts.append(Sentence("log.lost_samples", "{count} samples are lost", count=samples))
+        detail = parts[0] if parts else ""
+        for part in parts[1:]:
+            detail = Sentence("log.both", "{first}; {second}", first=detail, second=part)
         return RecorderState(
             level=self._health.level,
             lag_us=self._health.peak_us,
             path=path,
-            detail="; ".join(parts),
+            detail=detail,
             remedy=remedy,
             waived=self._waived,
         )

@@ -232,6 +232,7 @@ class RecorderState(Message, frozen=True, kw_only=True, tag="recorder.state"):
     detail: str = ""
     remedy: str = ""
     waived: bool = False
+    wording: dict[str, Wording] = {}
 
 
 class RecordWaived(Message, frozen=True, kw_only=True, tag="record.waived"):

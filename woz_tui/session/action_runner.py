@@ -171,7 +171,7 @@ class ActionRunner:
                 steps = self._texts.play(action, given)
                 self._holds_back.filled(run_id, action, given)
         except MissingValueError as error:
-            self._hub.publish(m.ActionRefused(run=run_id, action=action.name, reason=str(error)))
+            self._hub.publish(m.ActionRefused(run=run_id, action=action.name, reason=error.reason))
             return run_id, missing_value_error(error)
         busy = when_busy or action.when_busy or "queue"
         run = ActionRun(run_id, action, origin, steps, busy, again=again)
@@ -680,12 +680,16 @@ def _reason(verb: str, end: m.End) -> str:
     """Why a command has not worked, in words that do without the verb."""
     match end:
         case m.Refused(code="late", reason=reason):
-            return f"not said: {reason}" if verb == "say" else f"not played: {reason}"
+            if verb == "say":
+                return Sentence("session.not_said_since", "not said: {reason}", reason=reason)
+            return Sentence("session.not_played_since", "not played: {reason}", reason=reason)
         case m.Refused(code="full", reason=reason):
-            return f"{reason}: not played"
+            return Sentence("session.so_not_played", "{reason}: not played", reason=reason)
         case m.Refused(code="unrecorded" | "locked" | "part" | "profile", reason=reason):
             return reason
-    return f"{end.driver}: {end.reason}" if end.reason else end.driver
+    if not end.reason:
+        return end.driver
+    return Sentence("session.said_of", "{who}: {what}", who=end.driver, what=end.reason)
 
 
 class LastAct:

@@ -178,10 +178,10 @@ def _arguments_said(args: dict[str, Json], values: VariableValues) -> Mapping[st
 def missing_value_error(missing: MissingValueError) -> RequestError:
     """The refusal of a line whose variable has no value, with where the value comes from."""
     if not missing.variable or missing.offered:
-        return RequestError(str(missing))
+        return RequestError(missing.reason)
     if missing.variable in OF_VISITOR:
         return RequestError(
-            str(missing),
+            missing.reason,
             Sentence(
                 "session.enter_visitor",
                 "enter who the visitor is, or wait for face recognition or a handshake",
@@ -189,7 +189,7 @@ def missing_value_error(missing: MissingValueError) -> RequestError:
             command="engagement",
         )
     return RequestError(
-        str(missing),
+        missing.reason,
         Sentence("session.choose_both", "choose participant and condition"),
         command="start",
     )

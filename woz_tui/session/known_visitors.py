@@ -219,11 +219,11 @@ class KnownVisitors:
             await self._worker.waited(seconds - first)
         self._catch_up()
         if self.lacks:
-            changes = f"{self.lacks} change{'s' if self.lacks > 1 else ''}"
             text = Sentence(
                 "session.visitors_unsaved",
-                "visitors: {changes} of this session could not be saved in {path}",
-                changes=changes,
+                "visitors: {count} changes of this session could not be saved in {path}",
+                one="visitors: 1 change of this session could not be saved in {path}",
+                count=self.lacks,
                 path=self.path,
             )
             remedy = Sentence(

@@ -68,8 +68,21 @@ def _publish_left_out(hub: Hub, experiment: Experiment) -> None:
     counts = Counter(each.what for action in short for each in action.left_out)
     what = ", ".join(f"{name} ({count})" for name, count in counts.most_common())
     empty = sum(not action.calls for action in short)
-    nothing = f" ({empty} do nothing)" if empty else ""
-    text = f"This robot cannot do all of {len(short)} actions{nothing}: {what}"
+    if empty:
+        text = Sentence(
+            "session.partly_nothing",
+            "This robot cannot do all of {count} actions ({empty} do nothing): {what}",
+            count=len(short),
+            empty=empty,
+            what=what,
+        )
+    else:
+        text = Sentence(
+            "session.partly",
+            "This robot cannot do all of {count} actions: {what}",
+            count=len(short),
+            what=what,
+        )
     remedy = f"woz check {experiment.path.name} --robot {robot_name(experiment)}"
     hub.publish(m.Notice(level="warning", text=text, remedy=remedy))
 

@@ -76,7 +76,14 @@ class StateEffects:
     # -- when --------------------------------------------------------------------------------------
 
     def entered(self, change: Transition) -> None:
-        self._leave(f"the state changed from {self._state} to {change.now}")
+        self._leave(
+            Sentence(
+                "session.state_changed",
+                "the state changed from {before} to {now}",
+                before=self._state,
+                now=change.now,
+            )
+        )
         self._state = change.now
         calls = self._signals.entered(change.now)
         if not self._robot.may_move:
@@ -186,7 +193,9 @@ class StateEffects:
         lasting = call.verb in LASTING_SIGNALS
         older = self._shown.pop(kind, "")
         if older and lasting:
-            self._robot.session.runner.cancel(older, f"the state is now {self._state}")
+            self._robot.session.runner.cancel(
+                older, Sentence("session.state_now", "the state is now {state}", state=self._state)
+            )
         done: list[m.End] = []
 
         def ended(end: m.End) -> None:

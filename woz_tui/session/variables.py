@@ -51,13 +51,13 @@ class VariableValues(dict[str, str]):
 
 
 class MissingValueError(ValueError):
-    """A variable has no value yet; the text names it. `variable`: which; empty: a text depends on
-    something else. `offered`: it is likely to be one of several, of which somebody chooses.
+    """A variable has no value yet; the `reason` names it. `variable`: which; empty: a text depends
+    on something else. `offered`: it is likely to be one of several, of which somebody chooses.
     """
 
     def __init__(self, text: str, variable: str = "", *, offered: bool = False) -> None:
         super().__init__(text)
-        self.variable, self.offered = variable, offered
+        self.reason, self.variable, self.offered = text, variable, offered
 
 
 def fill_variables(value: Json, values: VariableValues) -> Json:
@@ -141,7 +141,9 @@ def _value(name: str, values: VariableValues) -> str:
         return f"{{{name}}}"
     if not text:
         why = values.why.get(name, "")
-        text = f"{{{name}}} has no value yet{why and ': '}{why}"
+        text = Sentence("session.no_value_of", "{name} has no value yet", name=f"{{{name}}}")
+        if why:
+            text = Sentence("session.said_of", "{who}: {what}", who=text, what=why)
         raise MissingValueError(text, name, offered=name in values.offers)
     return text
 
@@ -171,10 +173,10 @@ def by_condition(
     why: dict[str, str] = {}
     for name, found in texts.items():
         if condition not in found:
-            why[name] = f"it {waiting(condition)}"
+            why[name] = Sentence("session.it_waits", "it {why}", why=waiting(condition))
             continue
         try:
             now[name] = fill(found[condition], lambda inner: _value(inner, plain))
         except MissingValueError as error:
-            why[name] = str(error)
+            why[name] = error.reason
     return now, why

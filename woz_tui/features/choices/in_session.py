@@ -29,7 +29,7 @@ from woz_tui.session.session_features import Client, FeatureSession, PerformingF
 
 #: What a participant chose tells what they said, to who may not hear that.
 _SAID = "transcript"
-_NOT_OFFERED = "this is not offered any more"
+_NOT_OFFERED = Sentence("choices.not_offered", "this is not offered any more")
 
 
 class ChoicesInSession(PerformingFeature):
@@ -76,7 +76,11 @@ class ChoicesInSession(PerformingFeature):
             )
         )
         if not any(each.role == PARTICIPANT for each in self.session.state.consoles.values()):
-            text = f"nobody has the participant's page open to see the choice {name}"
+            text = Sentence(
+                "choices.nobody_sees",
+                "nobody has the participant's page open to see the choice {name}",
+                name=name,
+            )
             notice = m.Notice(
                 level="warning",
                 text=text,

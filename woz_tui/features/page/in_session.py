@@ -51,9 +51,10 @@ class PageInSession(SessionFeature):
             code = f", code {page.class_code}" if page.class_code else ""
             whom = ", ".join(_FOR.get(each, each) for each in page.roles)
             text = f"{page.address}{code} ({whom})"
-            remedy = "" if page.encrypted else "not encrypted: for a network of your own only"
-            findings.append(Finding("ok", "page", text, remedy))
+            plain = Sentence("page.plain", "not encrypted: for a network of your own only")
+            findings.append(Finding("ok", "page", text, "" if page.encrypted else plain))
         if not findings and PAGE.of(self.session.experiment) is not None:
             start = f"woz page {self.session.identity.session}"
-            findings.append(Finding("warning", "page", "`woz page` does not run", start))
+            text = Sentence("page.not_running", "`woz page` does not run")
+            findings.append(Finding("warning", "page", text, start))
         return findings

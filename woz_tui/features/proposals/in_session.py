@@ -72,12 +72,17 @@ ALWAYS = (
     *(r.AskPreflight, r.AskAbout, r.Beat, AskDismiss, AskPropose, AskModelTold),
 )
 #: What is said to a program whose set ended so.
-_ENDS = {
-    "expired": ("nobody approved it within {within:g} s", "ask the wizard, or try another one"),
-    "stop": ("the stop was pressed", "the wizard releases it"),
-    "dismissed": ("the wizard declined it", ""),
-    "reloaded": ("the experiment file was read again", "ask again"),
-    "end": ("the session ends", ""),
+_ENDS: Mapping[str, tuple[str, str]] = {
+    "stop": (
+        Sentence("proposals.stop_pressed", "the stop was pressed"),
+        Sentence("proposals.wizard_releases", "the wizard releases it"),
+    ),
+    "dismissed": (Sentence("proposals.declined", "the wizard declined it"), ""),
+    "reloaded": (
+        Sentence("proposals.reloaded", "the experiment file was read again"),
+        Sentence("proposals.ask_again", "ask again"),
+    ),
+    "end": (Sentence("proposals.session_ends", "the session ends"), ""),
 }
 
 
@@ -564,11 +569,19 @@ class ProposalsInSession(SessionFeature):
         self.session.hub.publish(SuggestGone(set=name, how=why))
         if found.decide is None or why == "withdrawn":
             return
-        said = isinstance(found.request, r.AskVerb) and found.request.verb == "say"
         reason, hint = _ENDS.get(why, (why, ""))
-        assert self._section is not None
-        reason = reason.format(within=self._section.suggest.within)
-        found.decide(RequestError(f"not {'said' if said else 'done'}: {reason}", hint))
+        if why == "expired":
+            assert self._section is not None
+            within = self._section.suggest.within
+            reason = Sentence(
+                "proposals.expired", "nobody approved it within {within:g} s", within=within
+            )
+            hint = Sentence("proposals.ask_wizard", "ask the wizard, or try another one")
+        if isinstance(found.request, r.AskVerb) and found.request.verb == "say":
+            text = Sentence("proposals.not_said", "not said: {reason}", reason=reason)
+        else:
+            text = Sentence("proposals.not_done", "not done: {reason}", reason=reason)
+        found.decide(RequestError(text, hint))
 
     def _end_all(self, why: str) -> None:
         for name in [*self._open]:

@@ -228,9 +228,15 @@ class QuestionnaireController(SessionFeature):
             and item.name not in self._answers
         ]
         if absent:
-            count = f"{len(absent)} item{'s have' if len(absent) > 1 else ' has'} no answer yet"
-            names = ", ".join(absent[:5])
-            raise RequestError(f"{count}: {names}{', ...' if len(absent) > 5 else ''}")
+            raise RequestError(
+                Sentence(
+                    "questionnaires.no_answer_yet",
+                    "{count} items have no answer yet: {names}",
+                    one="1 item has no answer yet: {names}",
+                    count=len(absent),
+                    names=", ".join(absent[:5] + ["..."] * (len(absent) > 5)),
+                )
+            )
 
     @property
     def _items(self) -> tuple[QuestionnaireItem, ...]:
@@ -318,9 +324,17 @@ def _item_view(item: QuestionnaireItem) -> dict[str, Any]:
 def _check_skipped(request: AskAnswer, item: QuestionnaireItem) -> None:
     reason = request.reason or SKIPPED
     if reason not in ways_out(item):
-        unless = "does not offer that" if request.reason else "needs an answer"
+        text = (
+            Sentence(
+                "questionnaires.no_such_way", "{item!r} does not offer that", item=request.item
+            )
+            if request.reason
+            else Sentence(
+                "questionnaires.needs_answer", "{item!r} needs an answer", item=request.item
+            )
+        )
         raise RequestError(
-            f"{request.item!r} {unless}",
+            text,
             Sentence("questionnaires.or_decline", "or end it as declined"),
         )
     if request.value is not None or request.ticked or request.text:

@@ -11,12 +11,14 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Piece, Row, clean, cut_rows, fit
 from woz_tui.console.drawing.dot_canvas import ACROSS, DOWN, Dot, DotCanvas, DotLayer
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
 from woz_tui.console.drawing.meter_rows import side_by_side
 from woz_tui.console.state.driver_outlines import ControlOutline, PanelOutline
 from woz_tui.protocol.messages import ControlsMoved
+from woz_tui.protocol.sentence import Sentence
 
 #: The highest value of a control.
 MOST = 127
@@ -32,9 +34,10 @@ _STALE_LAYERS = {"rest": DotLayer("faint", "."), "turned": DotLayer("stale", "#"
 #: Cells of a slider's bar, and lines.
 BAR = (2, 4)
 
-HINT = (
+HINT = Sentence(
+    "body.middle",
     "Before you begin, put the joints' knobs and sliders into the middle: a knob that stands "
-    "elsewhere waits until it has passed the robot's own value."
+    "elsewhere waits until it has passed the robot's own value.",
 )
 
 
@@ -215,34 +218,57 @@ def _last_moved(board: PanelState, glyphs: Glyphs) -> Row:
     last = next(reversed(board.knobs.values), "")
     found = next((one for one in board.outline.controls if one.name == last), None)
     if board.old:
-        return ((f"the panel is not there: {board.old}", "stale"),)
+        return ((say("body.panel_away", "the panel is not there: {why}", why=board.old), "stale"),)
     if found is None:
-        return (("nothing has been moved yet", "muted"),)
-    does = clean(found.label) or "does nothing"
+        return ((say("body.unmoved", "nothing has been moved yet"), "muted"),)
+    does = clean(found.label) or say("body.does_nothing", "does nothing")
     row: Row = (
         (f"{clean(found.name)} ", "strong"),
-        (f"{does}: {board.value(found)} of {MOST}", "plain"),
+        (
+            say(
+                "body.value_of",
+                "{does}: {value} of {most}",
+                does=does,
+                value=board.value(found),
+                most=MOST,
+            ),
+            "plain",
+        ),
     )
     if not board.waits(found):
         return row
-    told = "waits until it has passed the robot's value"
+    told = say("body.waits", "waits until it has passed the robot's value")
     target = board.target(found)
     if target is not None:
-        turns = ("turn it left", "turn it right")
-        slides = ("move it down", "move it up")
-        way = (turns if found.kind == "knob" else slides)[target[1]]
-        told = f"waits: {way} to {target[0]}"
+        told = _way(found.kind, up=bool(target[1]), value=target[0])
     return (*row, (f"  {glyphs.warning} {told}", "warn"))
+
+
+def _way(kind: str, *, up: bool, value: object) -> str:
+    """Which way a control has to go, and how far."""
+    if kind == "knob":
+        if up:
+            return say("body.turn_right", "waits: turn it right to {value}", value=value)
+        return say("body.turn_left", "waits: turn it left to {value}", value=value)
+    if up:
+        return say("body.move_up", "waits: move it up to {value}", value=value)
+    return say("body.move_down", "waits: move it down to {value}", value=value)
 
 
 def _advice(board: PanelState, frame: PaintFrame) -> list[Row]:
     waiting = [one for one in board.outline.controls if board.waits(one)]
     if waiting and not board.old:
         names = ", ".join(clean(one.label or one.name) for one in waiting)
-        arrows = f"{frame.glyphs.up} and {frame.glyphs.down}"
-        text = f"{len(waiting)} wait for take-over, {arrows} tell which way: {names}"
+        text = say(
+            "body.take_over",
+            "{number} wait for take-over, {up} and {down} tell which way: {names}",
+            number=len(waiting),
+            up=frame.glyphs.up,
+            down=frame.glyphs.down,
+            names=names,
+        )
         return [((f"{frame.glyphs.warning} {text}", "warn"),), ()]
     if not any(one.takes_over for one in board.outline.controls):
         return []
-    first, *rest = textwrap.wrap(HINT, max(10, frame.width))
+    first, *rest = textwrap.wrap(word(HINT), max(10, frame.width))
     return [((first, "muted"),), ((" ".join(rest), "muted"),)]

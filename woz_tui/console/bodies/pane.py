@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from rich.cells import cell_len
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.bodies.face_lights import brightness_look, frame_of, light_rows
 from woz_tui.console.bodies.face_lights import size as face_size
 from woz_tui.console.bodies.link_views import ABOVE, SIDE, draw_view, projections
@@ -17,9 +18,8 @@ from woz_tui.console.bodies.text import FORMATS, short_rows, table_rows, word_ro
 from woz_tui.console.bodies.view import BodyView, body_views
 from woz_tui.console.drawing.cells import Cells, Row, clean, cut_rows, fit
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
-from woz_tui.console.drawing.meter_rows import side_by_side
+from woz_tui.console.drawing.meter_rows import hidden_word, side_by_side
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.session.redactor import HIDDEN
 
 #: Cells that words beside a face need, and a view at the least (columns, lines).
 WORDS, VIEW = 16, (10, 4)
@@ -99,8 +99,10 @@ def face_rows(seen: BodyView, glyphs: Glyphs, *, compact: bool) -> list[Row]:
     rows = light_rows(frame, glyphs, look, compact=compact)
     if seen.face is None:
         columns, _ = face_size(*size, compact=compact)
-        word = HIDDEN if "face" in seen.hidden else "no face yet"
-        rows[len(rows) // 2] = ((fit(word.center(columns), columns, glyphs.ellipsis), "muted"),)
+        told = say("body.no_face", "no face yet")
+        if "face" in seen.hidden:
+            told = hidden_word()
+        rows[len(rows) // 2] = ((fit(told.center(columns), columns, glyphs.ellipsis), "muted"),)
     return rows
 
 
@@ -112,10 +114,13 @@ def view_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[R
     above = max(VIEW[0], (width - GAP) * 2 // 5)
     side = width - GAP - above
     drawn = _view_blocks(seen, {SIDE: (side, lines), ABOVE: (above, lines)}, glyphs)
-    front = ", front " if above >= CAPTION else " "
+    from_side, from_above = say("body.side", "side"), say("body.top", "top")
+    if above >= CAPTION:
+        from_side = say("body.side_front", "side, front")
+        from_above = say("body.top_front", "top, front")
     captions: Row = (
-        (fit(f"side{front}{glyphs.next}", side + GAP, glyphs.ellipsis), "muted"),
-        (fit(f"top{front}{glyphs.up}", above, glyphs.ellipsis), "muted"),
+        (fit(f"{from_side} {glyphs.next}", side + GAP, glyphs.ellipsis), "muted"),
+        (fit(f"{from_above} {glyphs.up}", above, glyphs.ellipsis), "muted"),
     )
     return [
         captions,
@@ -130,7 +135,7 @@ def _view_blocks(
         hidden: dict[str, list[Row]] = {}
         for view, (width, height) in sizes.items():
             hidden[view] = [((" " * width, "plain"),)] * height
-            hidden[view][height // 2] = ((fit(HIDDEN.center(width), width), "muted"),)
+            hidden[view][height // 2] = ((fit(hidden_word().center(width), width), "muted"),)
         return hidden
     return {
         view: draw_view(seen.outline, seen.pose, sight, sizes[view]).rows(glyphs)

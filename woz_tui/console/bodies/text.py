@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.bodies.view import BodyView
 from woz_tui.console.drawing.cells import Row, clean, fit
 from woz_tui.console.drawing.glyphs import Glyphs
@@ -57,16 +58,17 @@ def word_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[R
     move = clean(str(seen.value("move") or "")) or glyphs.dash
     personality = str(seen.value("personality", "name") or "")
     if personality and seen.value("changed") is True:
-        personality = f"like {personality}"  # once a trait was turned it is not quite that
+        # Once a trait was turned it is not quite that.
+        personality = say("body.like", "like {personality}", personality=personality)
     lines: list[tuple[str, str, str]] = [
-        ("face", emotion_text(seen) or glyphs.dash, "plain"),
-        ("mode", seen.mode, "plain" if seen.mode == "normal" else "wait"),
-        ("move", move, "plain" if move == glyphs.dash else "run"),
-        ("personality", personality or glyphs.dash, "plain"),
-        ("breathes", _breathing(seen, glyphs), "plain"),
-        ("blinks", _blinking(seen, glyphs), "plain"),
-        ("tempo", value_text("tempo", seen.value("tempo"), glyphs), "plain"),
-        ("seen", seen.old, "stale") if seen.old else ("", "", "plain"),
+        (say("body.face", "face"), emotion_text(seen) or glyphs.dash, "plain"),
+        (say("body.mode", "mode"), seen.mode, "plain" if seen.mode == "normal" else "wait"),
+        (say("body.move", "move"), move, "plain" if move == glyphs.dash else "run"),
+        (say("body.personality", "personality"), personality or glyphs.dash, "plain"),
+        (say("body.breathes", "breathes"), _breathing(seen, glyphs), "plain"),
+        (say("body.blinks", "blinks"), _blinking(seen, glyphs), "plain"),
+        (say("body.tempo", "tempo"), value_text("tempo", seen.value("tempo"), glyphs), "plain"),
+        (say("body.seen", "seen"), seen.old, "stale") if seen.old else ("", "", "plain"),
     ]
     if not seen.values:  # of a body that tells no more than its face and its mode
         lines = [*lines[:2], *lines[-1:]]
@@ -86,9 +88,13 @@ def _moves_by_itself(modes: Collection[Mode], mode: str) -> bool:
 
 def _breathing(seen: BodyView, glyphs: Glyphs) -> str:
     if seen.value("breathing_on") is False or not _moves_by_itself(BREATHES, seen.mode):
-        return "no"
+        return say("meters.says_no", "no")
     rate = _breaths(seen.value("breathing_rate"), seen.value("tempo"))
-    return "yes" if rate is None else value_text("breathing_rate", rate, glyphs)
+    return (
+        say("meters.says_yes", "yes")
+        if rate is None
+        else value_text("breathing_rate", rate, glyphs)
+    )
 
 
 def _breaths(rate: Json, tempo: Json) -> Json:
@@ -98,9 +104,13 @@ def _breaths(rate: Json, tempo: Json) -> Json:
 
 def _blinking(seen: BodyView, glyphs: Glyphs) -> str:
     if seen.value("blinking") is False or not _moves_by_itself(BLINKS, seen.mode):
-        return "no"
+        return say("meters.says_no", "no")
     rate = seen.value("blink_rate")
-    return value_text("blink_rate", rate, glyphs) if isinstance(rate, int | float) else "yes"
+    return (
+        value_text("blink_rate", rate, glyphs)
+        if isinstance(rate, int | float)
+        else say("meters.says_yes", "yes")
+    )
 
 
 # -- the whole table ------------------------------------------------------------------------------
@@ -141,7 +151,7 @@ def value_text(name: str, value: Json, glyphs: Glyphs) -> str:
     if value is None or value == "":
         return glyphs.dash
     if isinstance(value, bool):
-        return "on" if value else "off"
+        return say("body.is_on", "on") if value else say("body.is_off", "off")
     if isinstance(value, int | float):
         return glyphs.plain(FORMATS.get(name, _PLAIN).format(value).replace("%", " %"))
     if isinstance(value, list):
@@ -163,7 +173,7 @@ def table_rows(seen: BodyView, glyphs: Glyphs, width: int, height: int) -> list[
     names = [name for name in FORMATS if name in known]
     names += sorted(name for name in known if name not in FORMATS)
     if not names:
-        return [(("no values from the body yet", "muted"),)]
+        return [((say("body.no_values", "no values from the body yet"), "muted"),)]
     lines = max(1, min(height, len(names)))
     columns = [names[start : start + lines] for start in range(0, len(names), lines)]
     titles = {name: TITLES.get(name, name.replace("_", " ")) for name in names}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.bodies.link_views import Pose
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.drawing.number_text import age
@@ -50,7 +51,10 @@ def body_views(state: ConsoleState, now: int, glyphs: Glyphs) -> list[BodyView]:
         since = state.drivers[driver].t if lost else newest
         old = ""
         if stale or state.lost:
-            old = f"{glyphs.stale}{age(now - since)} old" if since is not None else "lost"
+            old = say("body.lost", "lost")
+            if since is not None:
+                aged = say("meters.old", "{age} old", age=age(now - since))
+                old = f"{glyphs.stale}{aged}"
         view = BodyView(
             outline,
             session.faces.get(driver),

@@ -16,7 +16,7 @@ from operator import itemgetter
 
 import msgspec
 
-from woz_tui.config.screen_language import word
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.number_text import seconds
 from woz_tui.console.link.message_feed import Incoming, Loss
 from woz_tui.console.state.command_text import spoken_text
@@ -454,7 +454,10 @@ class ConsoleState:
             told.end(outcome)
         if lost is not None:  # as important as the loss, which stands on the list
             told.machine = False
-            told.detail = f"after {seconds(message.t - lost.begin)}, {told.detail}"
+            away = seconds(message.t - lost.begin)
+            told.detail = say(
+                "events.back_after", "after {time}, {why}", time=away, why=told.detail
+            )
         if told.model:  # one line says where the model is: the last one
             kept = [event for event in self.events if not event.model]
             self.events = deque(kept, maxlen=EVENTS)

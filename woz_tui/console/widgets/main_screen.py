@@ -18,6 +18,7 @@ from textual.containers import Container
 from textual.geometry import Size
 from textual.screen import Screen
 
+from woz_tui.config.screen_language import say
 from woz_tui.console.bodies.pane import BodyPane
 from woz_tui.console.drawing.cells import Cells, Row, fit
 from woz_tui.console.drawing.glyphs import Glyphs, PaintFrame
@@ -158,9 +159,6 @@ class FeatureBoard(Cells):
         self.show([*above, *rows])
 
 
-SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
-
-
 class MainScreen:
     """Status on top, panels, meters and bodies, events, order, actions, stop bar."""
 
@@ -228,5 +226,10 @@ class MainScreen:
             part.paint(state, part.frame(now, glyphs))
         bar = replace(bar, page=self.panels.page)
         self.bar.paint(state, self.bar.frame(now, glyphs), bar)
-        small = SMALL.format(screen.width, screen.height)
+        small = say(
+            "rows.small",
+            "{width} x {height} is small: meters need 80 x 24, keys and stop do not",
+            width=screen.width,
+            height=screen.height,
+        )
         self.small.show([((fit(f" {small}", screen.width, glyphs.ellipsis), "warn"),)])

@@ -17,7 +17,7 @@ from woz_tui.protocol import messages as m
 SECTIONS = (
     *("app", "bodies", "dialog", "drivers", "failures", "find", "hand", "help", "hint", "keys"),
     *("knobs", "leave", "lost", "mistake", "move", "note", "peek", "preflight", "queue"),
-    *("release", "reload", "robot", "say", "start", "typed", "unrecorded"),
+    *("release", "reload", "robot", "say", "start", "terminal", "typed", "unrecorded"),
 )
 #: Of features, which have their own sections.
 OTHERS = {"ProfileDialog", "TrialDialog", "PhasesDialog"}
@@ -95,4 +95,12 @@ async def test_what_the_console_tells_is_german() -> None:
 def test_subjects_of_the_preflight_fit_their_column() -> None:
     subjects = ("key", "keys", "engagement", "connection", "keyboard")
     words = [catalogue("de")[f"preflight.{each}"].format(key="ctrl+x") for each in subjects]
+    words += [catalogue("de")[f"terminal.{each}"] for each in ("terminal", "characters", "colours")]
     assert all(len(each) <= SUBJECT for each in words)
+
+
+async def test_why_another_key_is_to_be_pressed_is_german() -> None:
+    async with piloted_console(busy(), size=(160, 50)) as pilot:
+        await open_dialog(pilot, "PreflightDialog")
+        await pilot.until(lambda: "sendet dieselben Bytes wie" in pilot.drawn())
+        assert not english_left(pilot.drawn())

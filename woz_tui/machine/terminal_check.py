@@ -17,6 +17,7 @@ from collections.abc import Iterator, Mapping
 from woz_tui.drivers.contract import Finding
 from woz_tui.machine.hidden_line import hidden_line
 from woz_tui.machine.program_output import output_of
+from woz_tui.protocol.sentence import Sentence
 
 #: Smallest screen the console is laid out for.
 COLUMNS, LINES = 80, 24
@@ -27,6 +28,10 @@ STALE_LINE = 1.0
 ESCAPE_TIME = 25
 #: Since this version tmux's own default is short enough.
 TMUX = (3, 5)
+
+_TERMINAL = Sentence("terminal.terminal", "terminal")
+_CHARACTERS = Sentence("terminal.characters", "characters")
+_COLOURS = Sentence("terminal.colours", "colours")
 
 _STATUS = re.compile(rb"\x1b\[\?[\d;]*c")
 _KITTY = re.compile(rb"\x1b\[\?(\d+)u")
@@ -40,9 +45,12 @@ def environment(environ: Mapping[str, str]) -> list[Finding]:
 
 def _type(term: str) -> Finding:
     if term in {"", "dumb", "unknown"}:
-        text = f"TERM is {term!r}: it cannot move the cursor"
-        return Finding("error", "terminal", text, "use a real terminal; over SSH, ssh -t")
-    return Finding("ok", "terminal", f"TERM is {term}")
+        text = Sentence(
+            "terminal.no_cursor", "TERM is {term!r}: it cannot move the cursor", term=term
+        )
+        remedy = Sentence("terminal.real_one", "use a real terminal; over SSH, ssh -t")
+        return Finding("error", _TERMINAL, text, remedy)
+    return Finding("ok", _TERMINAL, f"TERM is {term}")
 
 
 def _characters() -> Finding:
@@ -50,20 +58,25 @@ def _characters() -> Finding:
         locale.setlocale(locale.LC_CTYPE, "")
     charset = locale.nl_langinfo(locale.CODESET)
     if charset.upper().replace("-", "") == "UTF8":
-        return Finding("ok", "characters", charset)
-    text = f"{charset}: letters with accents and bars will be wrong"
-    return Finding("warning", "characters", text, "export LANG=C.UTF-8")
+        return Finding("ok", _CHARACTERS, charset)
+    text = Sentence(
+        "terminal.charset",
+        "{charset}: letters with accents and bars will be wrong",
+        charset=charset,
+    )
+    return Finding("warning", _CHARACTERS, text, "export LANG=C.UTF-8")
 
 
 def _colours(environ: Mapping[str, str]) -> Finding:
     term = environ.get("TERM", "")
     if environ.get("NO_COLOR"):
-        return Finding("info", "colours", "NO_COLOR is set: none")
+        return Finding("info", _COLOURS, Sentence("terminal.no_color", "NO_COLOR is set: none"))
     if environ.get("COLORTERM") in {"truecolor", "24bit"}:
-        return Finding("ok", "colours", "16 million")
+        return Finding("ok", _COLOURS, Sentence("terminal.true_color", "16 million"))
     if "256color" in term or term in {"xterm-kitty", "alacritty", "foot", "xterm-ghostty"}:
-        return Finding("ok", "colours", "256")
-    return Finding("info", "colours", "16 or fewer; states also have a symbol and a word")
+        return Finding("ok", _COLOURS, "256")
+    few = Sentence("terminal.few_colours", "16 or fewer; states also have a symbol and a word")
+    return Finding("info", _COLOURS, few)
 
 
 def size() -> Finding:
@@ -183,17 +196,31 @@ def multiplexers(environ: Mapping[str, str]) -> list[Finding]:
     """What tmux, screen and mosh hide: the escape key, which is the stop, and a lost line."""
     line, findings = hidden_line(environ), list[Finding]()
     if line.name:
-        lost = "a frozen connection is not noticed, a closed one is"
+        text = Sentence(
+            "terminal.between",
+            "{program} stands between you and the console: a frozen connection is not noticed, a"
+            " closed one is",
+            program=line.name,
+        )
         if not line.ask:
-            lost = "neither a frozen nor a closed connection is noticed"
-        text = f"{line.name} stands between you and the console: {lost}"
-        remedy = f"hold a key to drive; without {line.name} the connection itself is watched"
-        findings.append(Finding("info", "connection", text, remedy))
+            text = Sentence(
+                "terminal.between_all",
+                "{program} stands between you and the console: neither a frozen nor a closed"
+                " connection is noticed",
+                program=line.name,
+            )
+        remedy = Sentence(
+            "terminal.hold",
+            "hold a key to drive; without {program} the connection itself is watched",
+            program=line.name,
+        )
+        subject = Sentence("preflight.connection", "connection")
+        findings.append(Finding("info", subject, text, remedy))
     if environ.get("TMUX"):
         wait = output_of(["tmux", "show", "-gv", "escape-time"])
         findings.append(tmux_escape(wait, output_of(["tmux", "-V"])))
     if environ.get("STY"):
-        text = "screen delays Escape (stop) by up to 0.3 s"
+        text = Sentence("terminal.screen_escape", "screen delays Escape (stop) by up to 0.3 s")
         findings.append(Finding("warning", "screen", text, "maptimeout 5 in ~/.screenrc"))
     return findings
 
@@ -203,12 +230,24 @@ def tmux_escape(wait: str | None, version: str | None) -> Finding:
     number = re.search(r"(\d+)\.(\d+)", version or "")
     old = number is not None and (int(number[1]), int(number[2])) < TMUX
     if wait is None or not wait.isdecimal():
-        level, text = "info", "tmux does not report how long it delays Escape (stop)"
-    elif int(wait) <= ESCAPE_TIME:
-        return Finding("ok", "tmux", f"tmux delays Escape (stop) by {wait} ms")
+        level = "info"
+        text = Sentence(
+            "terminal.tmux_unknown", "tmux does not report how long it delays Escape (stop)"
+        )
     else:
-        level, text = "warning", f"tmux delays Escape (stop) by {wait} ms"
+        level = "warning"
+        text = Sentence("terminal.tmux_escape", "tmux delays Escape (stop) by {ms} ms", ms=wait)
+        if int(wait) <= ESCAPE_TIME:
+            return Finding("ok", "tmux", text)
     if old:
-        text += f" ({version} is older than 3.5, whose own setting is short)"
-    remedy = "set -sg escape-time 10 in ~/.tmux.conf; at once: tmux set -sg escape-time 10"
+        text = Sentence(
+            "terminal.tmux_old",
+            "{delay} ({version} is older than 3.5, whose own setting is short)",
+            delay=text,
+            version=version,
+        )
+    remedy = Sentence(
+        "terminal.tmux_remedy",
+        "set -sg escape-time 10 in ~/.tmux.conf; at once: tmux set -sg escape-time 10",
+    )
     return Finding(level, "tmux", text, remedy)

@@ -36,6 +36,7 @@ from woz_tui.config.keys.terminals import (
     is_stop,
 )
 from woz_tui.config.problems import quoted
+from woz_tui.protocol.sentence import Sentence
 
 #: Keys that may stand in for others: they arrive on every terminal and belong to experiments.
 _RESERVES = (
@@ -114,7 +115,9 @@ class _Assignment:
     def __init__(self, terminal: Terminal, layout: str) -> None:
         self._terminal = terminal
         self._layout = layout
-        self._owners: dict[str, str] = dict.fromkeys(STOPS, "the stop")
+        self._owners: dict[str, str] = dict.fromkeys(
+            STOPS, Sentence("terminal.the_stop", "the stop")
+        )
         self._firsts: dict[str, str] = {}
         self._actions: dict[str, AssignedKey] = {}
         self._builtins: dict[str, AssignedKey] = {}
@@ -129,7 +132,7 @@ class _Assignment:
                 self._place(action, nobodys=nobodys)
         for item in sorted(builtins, key=lambda item: item.last):
             if item.id not in self._builtins:
-                self._why[item.id] = self._why.get(item.id) or f"{item.chord} is taken"
+                self._why[item.id] = self._why.get(item.id) or _is_taken(item.chord)
                 candidates = (item.chord, *item.reserves) if item.last else item.reserves
                 given = self._reserve(item.id, item.chord, item.description, candidates)
                 self._builtins[item.id] = given
@@ -164,7 +167,7 @@ class _Assignment:
         for item in sorted(builtins, key=lambda item: item.yields):
             chord = item.chord
             if item.last and homes.get(item.id, chord) == chord:
-                self._why[item.id] = f"{chord} is taken"
+                self._why[item.id] = _is_taken(chord)
                 continue
             if chord in wanted and homes.get(item.id, chord) != chord:
                 self._warnings.append(
@@ -173,7 +176,9 @@ class _Assignment:
                 )
                 chord = homes[item.id]
             if item.yields and chord in begun:
-                self._why[item.id] = f"the experiment has an action on {chord}"
+                self._why[item.id] = Sentence(
+                    "terminal.of_experiment", "the experiment has an action on {key}", key=chord
+                )
                 continue
             found = deliver(chord, self._terminal, self._layout)
             stops = found.verdict is KeyOutcome.STOP and not item.movable
@@ -189,7 +194,7 @@ class _Assignment:
         if action.name in self._actions:
             return
         if is_stop(action.key, self._layout):
-            self._why[action.name] = f"{action.key} means stop"
+            self._why[action.name] = _means_stop(action.key)
             return
         found = deliver(action.key, self._terminal, self._layout)
         harmless = found.verdict is KeyOutcome.ARRIVES or (
@@ -215,17 +220,23 @@ class _Assignment:
         first, _, second = arrives.partition(" ")
         owner = self._owners.get(arrives) or (self._owners.get(first) if second else None)
         if owner is None and not second and arrives in self._firsts:
-            return f"{arrives} begins {self._firsts[arrives]}"
+            return Sentence(
+                "terminal.begins",
+                "{key} begins {owner!r}",
+                key=arrives,
+                owner=self._firsts[arrives],
+            )
         if owner is not None:
-            return f"{first if first in self._owners else arrives} already plays {owner!r}"
+            key = first if first in self._owners else arrives
+            return Sentence("terminal.plays", "{key} already plays {owner!r}", key=key, owner=owner)
         if second in STOPS:
-            return f"{second} means stop"
+            return _means_stop(second)
         return ""
 
     def _own(self, arrives: str, owner: str) -> None:
         self._owners[arrives] = owner
         if " " in arrives:
-            self._firsts.setdefault(arrives.split(" ", maxsplit=1)[0], repr(owner))
+            self._firsts.setdefault(arrives.split(" ", maxsplit=1)[0], owner)
 
     def _reserve(
         self, name: str, wanted: str, owner: str, candidates: Iterable[str]
@@ -244,6 +255,14 @@ class _Assignment:
                 why="" if own else why,
             )
         return AssignedKey(name, wanted, "", why=why)
+
+
+def _is_taken(key: str) -> str:
+    return Sentence("terminal.taken", "{key} is taken", key=key)
+
+
+def _means_stop(key: str) -> str:
+    return Sentence("terminal.means_stop", "{key} means stop", key=key)
 
 
 def _harmless(chord: str, found: KeyDelivery) -> bool:

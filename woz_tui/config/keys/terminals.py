@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 from woz_tui.config.keys.chords import ARROWS, FUNCTION_KEYS, PEDALS, Chord, parse_chord
 from woz_tui.config.keys.keyboard_layouts import KeyboardLayout, layout_of
+from woz_tui.protocol.sentence import Sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +132,7 @@ _KITTY_F13 = 57376
 _LINUX_FUNCTION = {f"f{number}": b"\x1b[[" + bytes([64 + number]) for number in range(1, 6)}
 _LINUX_SHIFTED = (25, 26, 28, 29, 31, 32, 33, 34)
 
-_ALT = "alt sends escape first, which is the stop (or another character)"
+_ALT = Sentence("terminal.alt", "alt sends escape first, which is the stop (or another character)")
 
 
 def deliver(chord: str, terminal: Terminal, layout: str = "us") -> KeyDelivery:
@@ -148,11 +149,12 @@ def deliver(chord: str, terminal: Terminal, layout: str = "us") -> KeyDelivery:
             if found.verdict is verdict:
                 return found
     verdicts = {found.verdict for found in reaches}
+    whys = [found.why for found in reaches if found.why]
     return KeyDelivery(
         KeyOutcome.SAME if KeyOutcome.SAME in verdicts else KeyOutcome.ARRIVES,
         b"".join(found.data for found in reaches),
         " ".join(found.arrives for found in reaches),
-        "; ".join(found.why for found in reaches if found.why),
+        whys[0] if len(whys) == 1 else "; ".join(whys),  # one stays a sentence
     )
 
 
@@ -181,7 +183,15 @@ def describe_bytes(data: bytes) -> str:
 def _deliver_chord(chord: Chord, terminal: Terminal, layout: KeyboardLayout) -> KeyDelivery:
     prefix = {"tmux": "ctrl+b", "screen": "ctrl+a"}.get(terminal.multiplexer)
     if prefix is not None and chord.ctrl and not chord.alt and f"ctrl+{chord.base}" == prefix:
-        return KeyDelivery(KeyOutcome.NEVER, why=f"{terminal.multiplexer} uses {prefix} itself")
+        return KeyDelivery(
+            KeyOutcome.NEVER,
+            why=Sentence(
+                "terminal.prefix",
+                "{program} uses {key} itself",
+                program=terminal.multiplexer,
+                key=prefix,
+            ),
+        )
     if not chord.named:
         return _character(chord, terminal, layout)
     if chord.base in _SIMPLE:
@@ -192,10 +202,17 @@ def _deliver_chord(chord: Chord, terminal: Terminal, layout: KeyboardLayout) -> 
 def _character(chord: Chord, terminal: Terminal, layout: KeyboardLayout) -> KeyDelivery:
     if not layout.gives(chord.base):
         return KeyDelivery(
-            KeyOutcome.NEVER, why=f"no key of the {layout.name} keyboard gives {chord.base}"
+            KeyOutcome.NEVER,
+            why=Sentence(
+                "terminal.not_on_layout",
+                "no key of the {layout} keyboard gives {character}",
+                layout=layout.name,
+                character=chord.base,
+            ),
         )
     if not (chord.ctrl or chord.alt):
-        why = "an accent key: press it, then space" if chord.base in layout.dead else ""
+        accent = Sentence("terminal.accent", "an accent key: press it, then space")
+        why = accent if chord.base in layout.dead else ""
         return KeyDelivery(KeyOutcome.ARRIVES, chord.base.encode(), chord.base, why)
     if terminal.kitty:
         return _kitty(chord, ord(chord.base))
@@ -225,24 +242,30 @@ def _control(chord: Chord, character: str) -> KeyDelivery:
 
 def _same(chord: Chord, data: bytes, arrives: str) -> KeyDelivery:
     if arrives in STOPS:
-        why = f"sends the same bytes as {arrives}, the stop"
+        why = Sentence(
+            "terminal.same_as_stop", "sends the same bytes as {key}, the stop", key=arrives
+        )
         return KeyDelivery(KeyOutcome.STOP, data, arrives, why)
     if arrives == str(chord):
         return KeyDelivery(KeyOutcome.ARRIVES, data, arrives)
-    return KeyDelivery(KeyOutcome.SAME, data, arrives, f"sends the same bytes as {arrives}")
+    why = Sentence("terminal.same", "sends the same bytes as {key}", key=arrives)
+    return KeyDelivery(KeyOutcome.SAME, data, arrives, why)
 
 
 def _simple(chord: Chord, terminal: Terminal) -> KeyDelivery:
     """Tab, enter, backspace, escape and space."""
     data = _SIMPLE[chord.base]
     if chord.base == "escape":
-        why = "escape is the stop, whatever is held down with it"
+        why = Sentence("terminal.escape", "escape is the stop, whatever is held down with it")
         return KeyDelivery(KeyOutcome.STOP, data, "escape", why)
     if chord == Chord(chord.base):
         return KeyDelivery(KeyOutcome.ARRIVES, data, chord.base)
     if chord.base == "tab" and (chord.alt or not chord.ctrl):
         if chord.alt:
-            return KeyDelivery(KeyOutcome.NEVER, why="the desktop uses alt+tab itself")
+            return KeyDelivery(
+                KeyOutcome.NEVER,
+                why=Sentence("terminal.alt_tab", "the desktop uses alt+tab itself"),
+            )
         return KeyDelivery(KeyOutcome.ARRIVES, b"\x1b[Z", "shift+tab")
     if terminal.kitty:
         return _kitty(chord, _KITTY_CODES[chord.base])
@@ -261,7 +284,12 @@ def _function(chord: Chord, terminal: Terminal) -> KeyDelivery:
     if chord.base in PEDALS:
         return _pedal(chord, terminal)
     if str(chord) in merged_chords(terminal):
-        why = f"{terminal.name} sends the same for escape, the stop, and {chord.base} behind it"
+        why = Sentence(
+            "terminal.merged",
+            "{terminal} sends the same for escape, the stop, and {key} behind it",
+            terminal=terminal.name,
+            key=chord.base,
+        )
         return KeyDelivery(KeyOutcome.STOP, _sequence(chord), "escape", why)
     if terminal.linux:
         return _linux(chord)
@@ -273,12 +301,25 @@ def _pedal(chord: Chord, terminal: Terminal) -> KeyDelivery:
     if terminal.kitty:
         return _kitty(chord, _KITTY_F13 + PEDALS.index(chord.base))
     if terminal.multiplexer:
-        why = f"{terminal.name} hands {chord.base} on as another key, or not at all"
+        why = Sentence(
+            "terminal.pedal",
+            "{terminal} hands {key} on as another key, or not at all",
+            terminal=terminal.name,
+            key=chord.base,
+        )
         return KeyDelivery(KeyOutcome.NEVER, why=why)
     number = int(chord.base[1:])
     if chord != Chord(chord.base) or (terminal.linux and number > 20):
-        return KeyDelivery(KeyOutcome.NEVER, why="few terminals send anything for it")
-    doubt = "" if terminal.linux else f"some terminals send it as shift+f{number - 12}; try it"
+        return KeyDelivery(
+            KeyOutcome.NEVER,
+            why=Sentence("terminal.few_send", "few terminals send anything for it"),
+        )
+    shifted = Sentence(
+        "terminal.as_shifted",
+        "some terminals send it as {key}; try it",
+        key=f"shift+f{number - 12}",
+    )
+    doubt = "" if terminal.linux else shifted
     return KeyDelivery(
         KeyOutcome.ARRIVES, f"\x1b[{_PEDALS[chord.base]}~".encode(), str(chord), doubt
     )
@@ -286,14 +327,18 @@ def _pedal(chord: Chord, terminal: Terminal) -> KeyDelivery:
 
 def _reason_kept(chord: Chord, terminal: Terminal) -> str:
     if terminal.linux and chord.alt and chord.base in (*ARROWS, *FUNCTION_KEYS):
-        return "the Linux console uses alt with arrows and F-keys itself"
+        return Sentence(
+            "terminal.linux_alt", "the Linux console uses alt with arrows and F-keys itself"
+        )
     if chord == Chord("f4", alt=True):
-        return "alt+f4 closes the window"
+        return Sentence("terminal.alt_f4", "alt+f4 closes the window")
     if chord.shift and not (chord.ctrl or chord.alt):
         if chord.base in ("pageup", "pagedown"):
-            return f"the terminal scrolls with shift+{chord.base}"
+            return Sentence(
+                "terminal.scrolls", "the terminal scrolls with {key}", key=f"shift+{chord.base}"
+            )
         if chord.base == "insert":
-            return "the terminal pastes with shift+insert"
+            return Sentence("terminal.pastes", "the terminal pastes with shift+insert")
     return ""
 
 
@@ -319,7 +364,10 @@ def _linux(chord: Chord) -> KeyDelivery:
         if chord == Chord(chord.base, shift=True) and number <= len(_LINUX_SHIFTED):
             code = f"\x1b[{_LINUX_SHIFTED[number - 1]}~".encode()
             return KeyDelivery(KeyOutcome.ARRIVES, code, f"f{number + 12}")
-        return KeyDelivery(KeyOutcome.NEVER, why="the Linux console sends nothing for it")
+        return KeyDelivery(
+            KeyOutcome.NEVER,
+            why=Sentence("terminal.linux_none", "the Linux console sends nothing for it"),
+        )
     return _same(chord, data, chord.base)
 
 
@@ -327,6 +375,6 @@ def _kitty(chord: Chord, code: int) -> KeyDelivery:
     modifiers = 1 + chord.shift + 2 * chord.alt + 4 * chord.ctrl
     data = f"\x1b[{code};{modifiers}u".encode()
     if chord.base == "c" and chord.ctrl:
-        why = "ctrl+c is the stop, whatever is held down with it"
+        why = Sentence("terminal.ctrl_c", "ctrl+c is the stop, whatever is held down with it")
         return KeyDelivery(KeyOutcome.STOP, data, "ctrl+c", why)
     return KeyDelivery(KeyOutcome.ARRIVES, data, str(chord))

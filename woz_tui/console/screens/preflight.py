@@ -296,8 +296,9 @@ class PreflightDialog(ReportDialog):
         for found in self._findings:
             sign = str(getattr(self.glyphs, _SIGNS.get(found.level, "info")))
             look = _LOOKS.get(found.level, "plain")
-            rows.append(((f"{sign} {found.subject:<14} ", look), (found.text, "plain")))
+            subject = f"{sign} {word(found.subject):<14} "
+            rows.append(((subject, look), (word(found.text), "plain")))
             if found.remedy and found.level != "ok":
-                remedy = remedy_text(found.remedy, self.state)
+                remedy = remedy_text(word(found.remedy), self.state)
                 rows.append(((" " * self.indent, "plain"), (remedy, "run")))
         return rows

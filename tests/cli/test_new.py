@@ -14,6 +14,7 @@ from woz_tui.cli import new
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.loading import load
 from woz_tui.config.new_experiment import TEMPLATES, every_line
+from woz_tui.config.screen_language import use
 from woz_tui.drivers import plugins
 from woz_tui.features.phases.section import PHASES
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES
@@ -317,3 +318,22 @@ def test_a_robot_of_a_type_knows_the_gestures_of_the_template(
         call.args["move"] for a in experiment.actions for call in a.calls if "move" in call.args
     }
     assert played >= {"Hey_1", "Yes_1"}
+
+
+def test_it_asks_in_the_language_of_the_screen(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked: list[str] = []
+
+    def ask(question: str) -> str:
+        asked.append(question)
+        return "fre" if "Spiel" in question else ""
+
+    use("de")
+    try:
+        assert run_new(tmp_path / "e.yaml", ask=ask) == 0
+    finally:
+        use("en")
+    assert [question[:7] for question in asked] == ["1 von 5", "2 von 5", "4 von 5", "5 von 5"]
+    assert "oder freies Spiel" in asked[1]
+    assert "Als Nächstes:\n" in capsys.readouterr().out

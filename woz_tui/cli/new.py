@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from woz_tui.analysis.text_format import counted, listed
+from woz_tui.analysis.text_format import listed
 from woz_tui.cli.check import verdict
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.new_files import FeatureFiles
@@ -28,6 +28,8 @@ from woz_tui.config.languages import DEFAULT, shipped
 from woz_tui.config.loading import load
 from woz_tui.config.new_experiment import PAIR, TEMPLATES, Abilities, abilities_of, experiment_text
 from woz_tui.config.robots import SIMULATED
+from woz_tui.config.screen_language import choose, say, word
+from woz_tui.config.screen_language import shipped as screen_languages
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver
 from woz_tui.feature import features, pieces
@@ -109,6 +111,8 @@ def run(arguments: Namespace) -> int:
     """Ask what no option says, write the file, check it, and say what to run next."""
     asks = sys.stdin is not None and sys.stdin.isatty() and not arguments.yes
     ask = input if asks else None
+    wanted = arguments.language or ""  # of the file: its words are probably read in it, too
+    choose(wanted if wanted in screen_languages() else "")
     return new(arguments, plugins.installed(), ask)
 
 
@@ -150,7 +154,7 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
                 file.write(text)
             experiment = load(path, catalogue)
         except EOFError:
-            print("\nNothing was written.")
+            print("\n" + say("new.nothing", "Nothing was written."))
             return 1
         except ExperimentError as error:
             for problem in error.problems:
@@ -189,19 +193,34 @@ def _print_next_steps(path: Path, experiment: Experiment, abilities: Abilities) 
         if warning.message != utterance_template.UNWRITTEN:
             print(f"  {warning}")
     if to_write:
-        print(f"  {counted(to_write, 'sentence')} to write: look for {utterance_template.TO_WRITE}")
+        sentences = say(
+            "new.to_write",
+            "{count} sentences to write: look for {mark}",
+            one="1 sentence to write: look for {mark}",
+            count=to_write,
+            mark=utterance_template.TO_WRITE,
+        )
+        print(f"  {sentences}")
     for robot in {*experiment.files[1:]} - {*robot_files(None).values()}:
-        print(f"  The robot, with its address: {robot}")
+        told = say("new.robot_file", "The robot, with its address: {file}", file=robot)
+        print(f"  {told}")
     if not abilities.moves:
-        print("  This robot has no gestures that the template knows; add `play: ...` yourself.")
-    print("Next:")
+        none = say(
+            "new.no_gestures",
+            "This robot has no gestures that the template knows; add `play: ...` yourself.",
+        )
+        print(f"  {none}")
+    print(say("new.next", "Next:"))
     read = pieces("section", FeatureSection)
     file = shlex.quote(str(path))
     for command, what in (
-        (f"woz run {file}", "a session"),
-        (f"woz check --keys {file}", "after each edit: what is wrong, and the keys"),
+        (f"woz run {file}", say("new.run", "a session")),
+        (
+            f"woz check --keys {file}",
+            say("new.check", "after each edit: what is wrong, and the keys"),
+        ),
         *(
-            (f"woz {own.name} {file} {own.proposed[0]}".rstrip(), own.proposed[1])
+            (f"woz {own.name} {file} {own.proposed[0]}".rstrip(), word(own.proposed[1]))
             for name, each in features().items()
             if (own := each.command) is not None and own.proposed
             if (section := read.get(name)) is None or section.proposes(section.of(experiment))
@@ -228,7 +247,7 @@ def _answer(
         matching = [choice for choice in choices if choice.startswith(typed.lower())]
         if len(matching) == 1:
             return matching[0]
-        print(f"  one of: {', '.join(choices)}")
+        print("  " + say("new.one_of", "one of: {choices}", choices=", ".join(choices)))
     return default
 
 
@@ -244,7 +263,7 @@ def _robot_answer(
     """
     folder = arguments.file.parent
     robots = ", ".join(name for name in catalogue if catalogue[name].facts.robot)
-    text = f"1 of 5  Robot ({robots}, or a robot file)"
+    text = say("new.robot", "1 of 5  Robot ({robots}, or a robot file)", robots=robots)
     while True:
         answers["robot"] = _answer(arguments.robot, ask, text, SIMULATED)
         with ExitStack() as tried:
@@ -265,17 +284,19 @@ def _answers(arguments: Namespace, ask: Ask | None) -> dict[str, str]:
     kind = {True: "study", False: "free", None: None}[arguments.study]
     if kind is None and arguments.conditions is not None:
         kind = "study"
+    text = say("new.kind", "2 of 5  A study, or free play?")
     answers = {
-        "kind": _answer(kind, ask, "2 of 5  A study, or free play?", "study", ("study", "free")),
+        "kind": _answer(kind, ask, text, "study", ("study", "free")),
         "conditions": "",
     }
     if answers["kind"] == "study":
-        text = "3 of 5  Conditions, with commas (or none)"
+        text = say("new.conditions", "3 of 5  Conditions, with commas (or none)")
         conditions = _answer(arguments.conditions, ask, text, "neutral, empathic")
         answers["conditions"] = "" if conditions.strip().lower() == "none" else conditions
-    text = f"4 of 5  Language ({', '.join(shipped())})"
+    languages = ", ".join(shipped())
+    text = say("new.language", "4 of 5  Language ({languages})", languages=languages)
     answers["language"] = _answer(arguments.language, ask, text, DEFAULT)
-    text = "5 of 5  Wizard's keyboard"
+    text = say("new.keyboard", "5 of 5  Wizard's keyboard")
     answers["keyboard"] = _answer(arguments.keyboard, ask, text, "us", tuple(LAYOUTS))
     return answers
 

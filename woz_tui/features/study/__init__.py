@@ -1,6 +1,7 @@
 """Studies: which participant gets which conditions in which order, and their trials."""
 
 from woz_tui.feature import CommandLine, Feature
+from woz_tui.protocol.sentence import Sentence
 
 
 class Study(Feature):
@@ -19,5 +20,5 @@ class Study(Feature):
         "show the order of conditions: used so far, and next",
         module="command",
         behind="convert",
-        proposed=("", "who gets which condition"),
+        proposed=("", Sentence("study.design_command", "who gets which condition")),
     )

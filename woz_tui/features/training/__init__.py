@@ -1,6 +1,7 @@
 """Training of wizards: cues of a simulated visitor, answers, scores."""
 
 from woz_tui.feature import CommandLine, Feature
+from woz_tui.protocol.sentence import Sentence
 
 
 class Training(Feature):
@@ -24,5 +25,5 @@ class Training(Feature):
         "train a wizard: a simulated visitor gives cues, answers are scored",
         module="command",
         behind="demo",
-        proposed=("--wizard W1", "learn the keys"),
+        proposed=("--wizard W1", Sentence("training.command", "learn the keys")),
     )

@@ -17,6 +17,7 @@ from woz_tui.config.performers import ENGAGEMENT, SESSION, composers, performers
 from woz_tui.drivers.own_voice import GOES_ON_US, RobotSpeech, is_robots, visitors_words
 from woz_tui.feature import pieces
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.action_messages import SPEAKING_VERBS
 from woz_tui.protocol.messages import DriverHealth
 from woz_tui.timeline.engagement_history import ModelStatus
 from woz_tui.timeline.episodes import (
@@ -83,6 +84,19 @@ class DriverState(msgspec.Struct, frozen=True):
         return str(self.health.__struct_config__.tag).removeprefix("driver.")
 
 
+#: Commands by which robots have spoken, that are kept.
+MOST_SPOKEN = 32
+
+
+@dataclass(frozen=True, slots=True)
+class SpokenCommand:
+    """A command by which a robot has begun to speak, to whom, and the `seq` of that."""
+
+    request: m.Command
+    context: Context
+    seq: int
+
+
 @dataclass(slots=True)
 class SessionState:
     """The state of a session, kept up to date by its messages in the order of the log.
@@ -109,6 +123,7 @@ class SessionState:
         filled: What each action would do if it were played now.
         speaking: Utterances that go on, by driver and segment.
         said: What the robots say, and have said of late.
+        spoken: The last commands that robots have begun to speak by.
         restriction: What restricts the wizard's view, if anything does.
         locks: What locked or unlocked panels since they were shown last.
         consoles: Those that are there.
@@ -141,6 +156,7 @@ class SessionState:
     addressed: dict[str, m.AddressedChanged] = field(default_factory=dict)
     speaking: dict[tuple[str, int], UtteranceEpisode] = field(default_factory=dict)
     said: RobotSpeech = field(default_factory=RobotSpeech)
+    spoken: tuple[SpokenCommand, ...] = ()
     filled: m.ActionsFilled | None = None
     locks: dict[str, m.PanelLocked] = field(default_factory=dict)
     perception: m.PerceptionChanged | None = None
@@ -198,7 +214,7 @@ class SessionState:
 
         `plan`: with the last `session.plan`; whoever sends its content otherwise leaves it out.
         They do not carry: when each setting of a robot, and what is only counted, began; which
-        commands of an action are over; passing commands.
+        commands of an action are over; passing commands; what was spoken before.
         """
         lines = {id(line): line for line in self._lines()}
         if not plan:
@@ -358,6 +374,9 @@ class SessionState:
         if command.dispatched is None:
             self.commands[message.command] = replace(command, dispatched=message)
         request = command.request
+        if request.verb in SPEAKING_VERBS:
+            spoken = SpokenCommand(request, self.context, message.seq)
+            self.spoken = (*self.spoken[1 - MOST_SPOKEN :], spoken)
         action = self.actions.get(request.run)
         if action is not None and self._is_first(message.driver or request.driver, action):
             self.actions[request.run] = replace(action, dispatched=message)

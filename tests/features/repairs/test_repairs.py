@@ -53,6 +53,19 @@ def test_the_last_sentence_again_as_it_was_said(tmp_path: Path) -> None:
     assert [(line.action, line.panel) for line in requests[-2:]] == [(REPEAT, PANEL)] * 2
 
 
+def test_a_file_that_gets_repairs_repeats_what_was_said_before(tmp_path: Path) -> None:
+    plain = make_experiment(tmp_path)
+
+    async def play(rig: SessionRig) -> None:
+        rig.session.play("Hello", KEY)
+        await asyncio.sleep(2)
+        rig.session.adopt(replace(plain, beside_panels=MOVES), [])
+        rig.session.play(REPEAT, KEY)
+
+    rig = SessionRig(tmp_path, made=plain).run(play, 10)
+    assert spoken_texts(rig)[-2:] == [spoken_texts(rig)[0]] * 2
+
+
 def test_the_next_participant_hears_nothing_that_was_said_to_the_one_before(
     tmp_path: Path,
 ) -> None:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import MappingProxyType
 
 from woz_tui.config.experiment import Action, Call
 from woz_tui.features.repairs.section import INTERRUPT, PANEL, REPEAT, REWORD
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.action_messages import SPEAKING_VERBS
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.protocol.requesters import requester
 from woz_tui.protocol.sentence import Sentence
@@ -31,32 +29,29 @@ class RepairsInSession(SessionFeature):
         self._told = ("", "")
         #: The action of the file that said it.
         self._action = ""
-
-    def idle(self) -> bool:
-        return all(each.name not in PLAYED for each in self.session.experiment.beside_panels)
+        #: The last line by which a robot spoke that was looked at.
+        self._seen = -1
 
     @property
     def _whom(self) -> tuple[str, str]:
         """Participant and condition."""
         return self.session.state.study.participant, self.session.state.study.condition
 
-    def _dispatched(self, message: m.Dispatched) -> None:
-        """Remember what was said last, and to whom; repairs themselves are passed over."""
-        command = self.session.state.commands.get(message.command)
-        if command is None or command.request.verb not in SPEAKING_VERBS:
-            return
-        request = command.request
-        if request.panel == PANEL and request.action != REWORD:
-            return
-        self._last, self._told = request, self._whom
-        self._action = self._action if request.action == REWORD else request.action
-
-    hears = MappingProxyType({m.Dispatched: _dispatched})
+    def _look(self) -> None:
+        """See what was said last, and to whom; repairs themselves are passed over."""
+        new = [each for each in self.session.state.spoken if each.seq > self._seen]
+        for each in new:
+            self._seen, request = each.seq, each.request
+            if request.panel == PANEL and request.action != REWORD:
+                continue
+            self._last, self._told = request, (each.context.participant, each.context.condition)
+            self._action = self._action if request.action == REWORD else request.action
 
     def play(self, action: Action, origin: RequestOrigin, when_busy: str, at: int) -> str | None:
         """Its steps depend on what was said; the refusal is in the log too."""
         if action.name not in PLAYED:
             return None
+        self._look()
         steps: Steps | str
         if at:
             steps = Sentence(

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from tests.session.rig import SessionRig
+from tests.session.rig import SessionRig, experiment
 from tests.session.study_rig import on_stage
 from woz_tui.features.proposals.in_session import ProposalsInSession
 from woz_tui.features.proposals.kinds import AskPropose, SuggestOffered
@@ -58,3 +60,39 @@ def test_the_mark_tells_nothing_of_a_sentence_that_depends_on_the_condition(
     rig = on_stage(tmp_path, scenario, identity=identity, sections=sections)
     said = [(item.marks, item.likeness) for line in rig.of(SuggestOffered) for item in line.items]
     assert said == [([], 0.0), (["repeats"], 1.0), ([], 0.0)]
+
+
+def test_what_was_said_before_the_file_wanted_proposals_repeats_too(tmp_path: Path) -> None:
+    plain = experiment(tmp_path)
+    section = Proposals(SuggestKeysOfFile())
+    wants = replace(plain, sections={**plain.sections, PROPOSALS: section})
+
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.send("say", {"text": "It is a whale"}, "", RequestOrigin("key", "", "con2"))
+        await asyncio.sleep(2)
+        rig.session.adopt(wants, [])
+        proposals = rig.session.features.of(ProposalsInSession)
+        proposals.carry_out(AskPropose(texts=["It is a whale"]), Client("con1", "program", "x"))
+
+    rig = SessionRig(tmp_path, made=plain).run(scenario)
+    assert [item.marks for line in rig.of(SuggestOffered) for item in line.items] == [["repeats"]]
+
+
+def test_a_sentence_that_was_refused_is_not_repeated(tmp_path: Path) -> None:
+    plain = experiment(tmp_path)
+    section = Proposals(SuggestKeysOfFile())
+    made = replace(plain, sections={**plain.sections, PROPOSALS: section})
+
+    async def scenario(rig: SessionRig) -> None:
+        key = RequestOrigin("key", "", "con2")
+        rig.session.send("say", {"text": "A long one"}, "", key)
+        rig.session.send("say", {"text": "It is a whale"}, "", key)
+        rig.session.empty_queue("me")
+        await asyncio.sleep(2)
+        proposals = rig.session.features.of(ProposalsInSession)
+        proposals.carry_out(AskPropose(texts=["It is a whale"]), Client("con1", "program", "x"))
+
+    rig = SessionRig(tmp_path, made=made).run(scenario)
+    said = [args["text"] for verb, args in rig.driver().calls if verb == "say"]
+    assert said == ["A long one"]
+    assert [item.marks for line in rig.of(SuggestOffered) for item in line.items] == [[]]

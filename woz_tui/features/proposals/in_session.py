@@ -128,7 +128,6 @@ class ProposalsInSession(SessionFeature):
         self._rehearsed: RehearsedActs | None = None
         #: Whether an item is being taken: what is played then is no other act.
         self._taking = False
-        self._last = LastSentences()
         #: Whether nothing is offered in this trial.
         self._quiet = False
         #: Presses of which it is not known yet whether they are refused, by run, and whether an
@@ -425,8 +424,15 @@ class ProposalsInSession(SessionFeature):
         )
 
     def _marked(self, item: ProposedItem) -> ProposedItem:
-        """With what it would be after the last sentences."""
-        text, last = item.text, self._last
+        """With what it would be after the last sentences of the trial, said or to be said."""
+        text, last, state = item.text, LastSentences(), self.session.state
+        begun = state.study.last_started
+        coming = [each.request for each in state.commands.values() if each.dispatched is None]
+        for each in (*(said.request for said in state.spoken), *coming):
+            sentence = each.args.get("text")
+            in_trial = begun is None or each.seq > begun.seq
+            if each.verb == "say" and isinstance(sentence, str) and in_trial and not each.tells:
+                last.say(sentence)
         return replace(
             item, likeness=last.likeness(text), asking=last.asking(text), marks=last.marks(text)
         )
@@ -640,9 +646,6 @@ class ProposalsInSession(SessionFeature):
 
     def _sent(self, message: m.Command) -> None:
         """A sentence that a person typed is another act."""
-        text = message.args.get("text")
-        if message.verb == "say" and isinstance(text, str) and not message.tells:
-            self._last.say(text)
         if not (self._taking or message.run) and message.source in BY_PERSON:
             self._end_offers("other_act")
 
@@ -685,7 +688,6 @@ class ProposalsInSession(SessionFeature):
             self._quiet = False
             if message.end is None:
                 self._draw(message.started)
-                self._last = LastSentences()
                 self._likely.begin_anew()
 
     def _draw(self, trial: m.TrialStarted) -> None:

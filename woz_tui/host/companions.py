@@ -22,8 +22,9 @@ from woz_tui.system.text_cleaning import one_line
 
 #: Pauses before one is started again, in seconds, and how long one that works runs at least.
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S, _WORKS_S = 1.0, 60.0, 10.0
-#: How long it may take to end by itself when the session has ended, in seconds.
-_END_S = 2.0
+#: How long it may take to end by itself when the session has ended, and then when it is told to, as
+#: it removes what it has made; together less than the robot process has for it. In seconds.
+_END_S, _TIDY_S = 1.0, 1.5
 _MOST_TEXT = 400
 
 log = logging.getLogger(__name__)
@@ -41,21 +42,24 @@ class Companions:
         self._socket = socket
         self._publish = publish
         self._running: dict[str, Companion] = {}
+        #: Those that others have taken the place of; what they have must be free first.
+        self._ending: dict[str, asyncio.Task[None]] = {}
 
     def adopt(self, commands: Mapping[str, str]) -> None:
         """From here on these run, each a command of `woz` with its options, and no others."""
         for name, runs in [*self._running.items()]:
             if commands.get(name) != runs.command:
-                self._running.pop(name).end_soon()
+                self._ending[name] = self._running.pop(name).end_soon()
         for name, command in commands.items():
             if name not in self._running:
                 companion = Companion(command, self._socket, self._publish)
                 self._running[name] = companion
-                companion.start()
+                companion.start(self._ending.get(name))
 
     async def close(self) -> None:
         """The session has ended: they end, too."""
         await asyncio.gather(*(each.close() for each in self._running.values()))
+        await asyncio.gather(*self._ending.values(), return_exceptions=True)
         self._running.clear()
 
 
@@ -72,13 +76,15 @@ class Companion:
         self._task: asyncio.Task[None] | None = None
         self._last_words = ""
 
-    def start(self) -> None:
-        """Begin; it is kept running."""
-        self._task = asyncio.get_running_loop().create_task(self._keep_running())
+    def start(self, before: asyncio.Task[None] | None = None) -> None:
+        """Begin, once that which was there `before` has ended; it is kept running."""
+        self._task = asyncio.get_running_loop().create_task(self._keep_running(before))
 
-    def end_soon(self) -> None:
-        if self._task is not None:
-            self._task.cancel()
+    def end_soon(self) -> asyncio.Task[None]:
+        """Have it end; what is done when it has."""
+        assert self._task is not None
+        self._task.cancel()
+        return self._task
 
     async def close(self) -> None:
         """It ends with its session, or is ended."""
@@ -89,7 +95,9 @@ class Companion:
                     await process.wait()
         await end_tasks(self._task)
 
-    async def _keep_running(self) -> None:
+    async def _keep_running(self, before: asyncio.Task[None] | None) -> None:
+        if before is not None:
+            await asyncio.wait([before])
         pauses = RetryPauses(_FIRST_PAUSE_S, _LONGEST_PAUSE_S)
         while True:
             began = time.monotonic()
@@ -134,6 +142,13 @@ class Companion:
             await process.wait()
         finally:
             if process.returncode is None:
-                process.kill()  # it may stand still
-                await process.wait()
+                process.terminate()
+                try:
+                    with contextlib.suppress(TimeoutError):
+                        async with asyncio.timeout(_TIDY_S):
+                            await process.wait()
+                finally:
+                    if process.returncode is None:
+                        process.kill()  # it stands still
+                        await process.wait()
         return (for_people or said).removeprefix("woz: ")

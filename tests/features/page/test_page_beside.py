@@ -16,6 +16,7 @@ from woz_tui.client import WozClient, connect
 from woz_tui.config.reload_changes import compare
 from woz_tui.console.link.host_start import Launch, RobotProcess
 from woz_tui.features.page import answer_page, watch_view
+from woz_tui.features.page.control import open_pages
 from woz_tui.features.page.doctor import CHECKS
 from woz_tui.features.page.kinds import PageClosed, PageFailed, PageOpened
 from woz_tui.features.page.section import PAGE, PageSettings, command_line
@@ -148,6 +149,7 @@ async def test_pages_run_with_the_session_and_end_with_it(host: RobotProcess) ->
         last = server(host)
         await woz.request(AskEnd())
     await asyncio.to_thread(last.wait, 20)
+    assert open_pages() == [], "nothing is left of them"
 
 
 @pytest.mark.real_clock

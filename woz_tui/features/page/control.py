@@ -37,13 +37,16 @@ class PageControl:
         told: Callable[[], Sequence[str]],
         renew: Callable[[Collection[PageRole]], Awaitable[None]],
     ) -> None:
+        self._session = session
         self._path = session_sockets.folder() / f"{session}.{port}.page"
         self._told, self._renew = told, renew
         self._server: asyncio.Server | None = None
 
     async def start(self) -> None:
         """Begin to listen. Raises `OSError`."""
-        self._path.unlink(missing_ok=True)
+        for other in open_pages(self._session):
+            if other == self._path or not session_sockets.answers(other):  # it was killed
+                other.unlink(missing_ok=True)
         self._server = await asyncio.start_unix_server(self._answer, self._path, limit=_MOST_BYTES)
 
     async def close(self) -> None:

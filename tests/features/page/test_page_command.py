@@ -26,7 +26,9 @@ from tests.session.rig import WAIT_S, ScriptedDriver, experiment
 from woz_tui.cli import main
 from woz_tui.drivers.contract import Argument, Job, Offer, Verb
 from woz_tui.features.page.command import ENDS
+from woz_tui.features.page.control import open_pages, order
 from woz_tui.features.page.qr import drawn, modules
+from woz_tui.features.page.visitors import PageRole
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 
@@ -100,6 +102,13 @@ async def test_the_robots_tablet_shows_the_participants_page(tmp_path: Path) -> 
         sent = await host.published(lambda line: isinstance(line, m.Command))
         assert isinstance(sent, m.Command)
         assert (sent.verb, sent.args) == ("screen", {"file": said[2].split()[-1].decode()})
+        (path,) = open_pages(host.path.stem)
+        told = await asyncio.to_thread(order, path, [PageRole.ANSWER])
+        assert told is not None
+        await host.until(lambda: len(host.of(m.Command)) == 2)
+        address = told[2].split()[-1]
+        assert host.of(m.Command)[1].args == {"file": address}, "not the page of the old code"
+        assert address != sent.args["file"]
         process.terminate()
         assert await asyncio.wait_for(process.wait(), WAIT_S) == 0
 

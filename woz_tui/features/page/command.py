@@ -26,7 +26,7 @@ from woz_tui.features.page.qr import MissingQrError, drawn, modules
 from woz_tui.features.page.section import HERE
 from woz_tui.features.page.visitors import PageRole, Visitors
 from woz_tui.network.listen_address import ListenAddress, is_loopback
-from woz_tui.system.tasks import end_tasks, until_first_ends
+from woz_tui.system.tasks import TaskSet, end_tasks, until_first_ends
 
 if TYPE_CHECKING:  # aiohttp
     from woz_tui.features.page.server import PageServer
@@ -219,6 +219,7 @@ async def _pages(
     )
     control: PageControl | None = None
     teller: SessionTeller | None = None
+    on_tablet = TaskSet("the robot's tablet")
     stopped = asyncio.Event()
     asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, stopped.set)
     try:
@@ -227,7 +228,18 @@ async def _pages(
         here = f"{scheme}://{_reached(host)}:{port}"
         _check_questionnaire(server, arguments.questionnaire)
         told = partial(_told, server.visitors, here)
-        control = PageControl(session.path.stem, port, told, server.renew)
+
+        def show_on_tablet() -> None:
+            if arguments.tablet and PageRole.ANSWER in roles:
+                address = _participants_address(server.visitors, here)
+                on_tablet.start(_show_on_tablet(session, address))
+
+        async def renew(wanted: Collection[PageRole]) -> None:
+            await server.renew(wanted)
+            if PageRole.ANSWER in wanted:
+                show_on_tablet()
+
+        control = PageControl(session.path.stem, port, told, renew)
         await control.start()
         teller = SessionTeller(session.path, here, server)
         for line in told():
@@ -237,12 +249,12 @@ async def _pages(
             say("", _FOR[role], *drawn(code, colours=sys.stdout.isatty()), sep="\n")
         if is_open:
             say(OPEN)
-        if arguments.tablet and PageRole.ANSWER in roles:
-            await _show_on_tablet(session, _participants_address(server.visitors, here))
+        show_on_tablet()
         await until_first_ends(server.until_over(), stopped.wait())
     finally:
         if control is not None:
             await control.close()
+        await on_tablet.close()
         if teller is not None:
             await teller.close()
         await server.close()

@@ -580,7 +580,9 @@ class ProposalsInSession(SessionFeature):
             assert self._section is not None
             within = self._section.suggest.within
             reason = Sentence(
-                "proposals.expired", "nobody approved it within {within:g} s", within=within
+                "proposals.unapproved_in_time",
+                "nobody approved it within {within:g} s",
+                within=within,
             )
             hint = Sentence("proposals.ask_wizard", "ask the wizard, or try another one")
         if isinstance(found.request, r.AskVerb) and found.request.verb == "say":

@@ -49,7 +49,7 @@ Tiers: `trials`, `phases`, `breaks`, `engagement` (the state), `visitor speech` 
 understood), `robot speech` (from the moment when it began to speak), `panel ...` (the actions of
 each panel, from the request to the end; the outcome in brackets unless it was done), `stops`,
 `questionnaires`, `markers`, `notes`, `mistakes`, `cues`, `slots`, `proposals`,
-`streams` (of and to a lab), `choices` (on a page), `pages` (in browsers),
+`streams` (of and to a lab), `choices` (on a page), `dictation`, `pages` (in browsers),
 `drivers`, `settings` (of the session), `settings that differ` (what a robot had, and what was
 wanted), `conflicts` (of a robot's settings), and of each coder the tiers that they coded in a
 replay, called after them. What overlaps is on a tier `...-2`. Nothing is shorter than 40 ms:

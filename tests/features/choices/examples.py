@@ -1,7 +1,5 @@
 """Examples of what is said of choices, for the golden files of the protocol."""
 
-from tests.session.rig import with_section
-from woz_tui.config.experiment import Experiment
 from woz_tui.features.choices.kinds import (
     AskChoicePicture,
     AskChoose,
@@ -9,7 +7,6 @@ from woz_tui.features.choices.kinds import (
     ChoiceMade,
     ChoiceOffered,
 )
-from woz_tui.features.choices.section import CHOICES, Choice, Option
 
 MESSAGES = (
     ChoiceOffered(
@@ -31,8 +28,3 @@ REQUESTS = (
     AskChoose(ref=71, offer=412, option="Whale", after_us=2_100_000),
     AskChoicePicture(ref=72, offer=412, place=0),
 )
-
-
-def used(made: Experiment) -> Experiment:
-    """The same file with something to do for the feature."""
-    return with_section(made, CHOICES, (Choice("colour", (Option("red"), Option("blue"))),))

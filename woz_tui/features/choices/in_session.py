@@ -44,9 +44,6 @@ class ChoicesInSession(PerformingFeature):
         #: The choice that is offered, as the file had it then.
         self._choice: Choice | None = None
 
-    def idle(self) -> bool:
-        return not CHOICES.of(self.session.experiment) and self._offered is None
-
     @property
     def _offered(self) -> ChoiceOffered | None:
         return self.session.state.history(ChoiceHistory).offered

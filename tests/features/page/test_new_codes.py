@@ -88,6 +88,7 @@ async def test_a_questionnaire_begins_by_itself_once_for_each_participant(tmp_pa
         await wizard.ask("questionnaire", questionnaire="ux", what="left")
         await shows(first, "Please wait.")  # taken back: it does not come again by itself
         assert "Please wait." in (await first.get("/answer"))[1]
+        await shows(second, "Please wait.")  # else it may still show what was taken back
         await wizard.ask("set", participant="P02")
         await shows(second, "There are no wrong answers.")
         begun = [line.source for line in host.of(QuestionnaireStarted)]

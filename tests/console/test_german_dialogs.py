@@ -15,7 +15,19 @@ from woz_tui.protocol import messages as m
 
 #: Sections of what dialogs, finder, help and the lowest line say.
 SECTIONS = (
-    *("app", "bodies", "dialog", "drivers", "failures", "find", "hand", "help", "hint", "keys"),
+    *(
+        "app",
+        "bodies",
+        "camera",
+        "dialog",
+        "drivers",
+        "failures",
+        "find",
+        "hand",
+        "help",
+        "hint",
+        "keys",
+    ),
     *("knobs", "leave", "lost", "mistake", "move", "note", "peek", "preflight", "queue"),
     *("release", "reload", "robot", "say", "start", "terminal", "typed", "unrecorded"),
 )

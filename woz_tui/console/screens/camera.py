@@ -9,6 +9,7 @@ from textual import events
 from textual.containers import Vertical
 from textual.widget import Widget
 
+from woz_tui.config.screen_language import say, word
 from woz_tui.console.camera.picture_requests import STALE_S, PictureRequester
 from woz_tui.console.camera.picture_sizes import CELL, CellArea, area_for
 from woz_tui.console.camera.picture_widgets import PictureView, depth_of, view_for
@@ -16,6 +17,7 @@ from woz_tui.console.drawing.cells import Cells, Row, clean, cut
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.protocol.camera_pictures import PictureShown
 from woz_tui.protocol.requests import AskVerb
+from woz_tui.protocol.sentence import Sentence
 
 #: How often is looked whether the next picture may be asked for, in seconds.
 _LOOK_S = 0.05
@@ -32,15 +34,15 @@ _NEXT, _BACK, _LARGER, _SMALLER, _TAKE = "tab", "shift+tab", "+", "-", "enter"
 _KEYS = {"plus": _LARGER, "minus": _SMALLER}
 #: The driver's verb that makes a file of a picture.
 _VERB = "picture"
-OFF = "Pictures are switched off (--pictures off)."
-REPLAY = "A replay has no pictures: they are in no log."
+OFF = Sentence("camera.switched_off", "Pictures are switched off (--pictures off).")
+REPLAY = Sentence("camera.replay", "A replay has no pictures: they are in no log.")
 
 
 class CameraDialog(Dialog):
     """One camera of the session; tab shows the next."""
 
-    heading = "Camera"
-    hint = "tab next · + - size · enter file · ctrl+q"
+    heading = Sentence("camera.heading", "Camera")
+    hint = Sentence("camera.hint", "tab next · + - size · enter file · ctrl+q")
     size_class = "drawing"
     plays = True
     own_keys = frozenset((_NEXT, _BACK, _LARGER, _SMALLER, _TAKE))
@@ -158,16 +160,19 @@ class CameraDialog(Dialog):
     def _words(self) -> Row:
         watching, view = self._watching, self._view
         if watching is None or view is None:
-            return ((REPLAY if self.state.role == "replay" else OFF, "muted"),)
+            return ((word(REPLAY if self.state.role == "replay" else OFF), "muted"),)
         trouble = self._why_no_picture(watching)
         if watching.last is None:
-            return ((trouble or "waiting for the first picture", "warn" if trouble else "muted"),)
+            waits = say("camera.waits", "waiting for the first picture")
+            return ((trouble or waits, "warn" if trouble else "muted"),)
         name: Row = ((f"{clean(watching.camera)} ", "title"),)
         age = max(0.0, (self.now - watching.last.t) / 1_000_000)
         if age > STALE_S:
             why = f" {self.glyphs.middle} {trouble}" if trouble else ""
-            return (*name, (f"stale {age:.1f} s{why}", "stale"))
-        words = [f"{age:.1f} s old", f"{watching.rate:.1f}/s", view.word]
+            stale = say("camera.stale", "stale {seconds:.1f} s", seconds=age)
+            return (*name, (f"{stale}{why}", "stale"))
+        old = say("camera.old", "{seconds:.1f} s old", seconds=age)
+        words = [old, f"{watching.rate:.1f}/s", word(view.word)]
         cameras = watching.cameras
         if len(cameras) > 1 and watching.camera in cameras:
             words.insert(0, f"{cameras.index(watching.camera) + 1}/{len(cameras)}")
@@ -176,11 +181,15 @@ class CameraDialog(Dialog):
     def _why_no_picture(self, watching: PictureRequester) -> str:
         """Why there are no pictures, as far as anybody knows."""
         if self.state.lost:
-            return self.state.lost.part.sentence
+            return word(self.state.lost.part.sentence)
         driver = self.state.drivers.get(watching.camera)
         if driver is not None and driver.health in ("lost", "faulted"):
-            return clean(f"{watching.camera} is {driver.health}: {driver.detail}")
-        return clean(watching.why)
+            told = {"camera": watching.camera, "detail": word(driver.detail)}
+            why = say("camera.faulted", "{camera} is faulted: {detail}", **told)
+            if driver.health == "lost":
+                why = say("camera.lost", "{camera} is lost: {detail}", **told)
+            return clean(why)
+        return clean(word(watching.why))
 
     # -- keys --------------------------------------------------------------------------------
 
@@ -203,7 +212,12 @@ class CameraDialog(Dialog):
     def _save_picture(self, camera: str) -> None:
         """Have the driver make a file of a picture."""
         if _VERB not in self.state.verbs.get(camera, ()):
-            self.console_app.news(f"{camera or 'this camera'} cannot save pictures")
+            name = camera or say("camera.this", "this camera")
+            told = say("camera.no_files", "{camera} cannot save pictures", camera=name)
+            self.console_app.news(told)
             return
         self.requests.ask(AskVerb(verb=_VERB, on=camera, source="key", key=_TAKE))
-        self.console_app.news(f"{camera} takes a picture; the log names its file", "run")
+        told = say(
+            "camera.takes", "{camera} takes a picture; the log names its file", camera=camera
+        )
+        self.console_app.news(told, "run")

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.console import engagement_scene, scenes
+from tests.console.dialogs import OPENERS
 from tests.console.piloting import piloted_console
 from tools.screen_sentences import sentences
 from woz_tui.config.screen_language import catalogue, use
@@ -42,7 +43,7 @@ def left_in_english(drawn: str) -> set[str]:
     }
     parts = {piece.strip(" ,:.;()") for text in whole for piece in re.split(r"\{[^}]*\}", text)}
     # What the scene calls its things, and words of the reasons that the engagement model gives.
-    names = {"robot", "program", "voice", "visitor", "looks", "speech", "ended"}
+    names = {"robot", "program", "voice", "visitor", "looks", "speaks", "speech", "ended"}
     return {
         part
         for part in parts - names
@@ -68,10 +69,11 @@ def scene(name: str) -> tuple[r.Welcome, tuple[m.Message, ...]]:
     raise ValueError(name)
 
 
-async def drawn(name: str, size: tuple[int, int]) -> str:
+async def drawn(name: str, size: tuple[int, int], *keys: str) -> str:
     welcome, later = scene(name)
     async with piloted_console(welcome, size=size) as pilot:
         await pilot.tell(*later)
+        await pilot.press(*keys)
         rows = pilot.drawn().rstrip().splitlines()
         return "\n".join(rows[:-1])  # without the keys, whose words are not of these sections
 
@@ -92,6 +94,15 @@ async def test_nothing_is_left_in_english_and_no_more_is_cut(
     assert left_in_english(english), "or this test would not find any"
     use("de")
     german = await drawn(name, size)
+    assert not left_in_english(german)
+    assert german.count(UNICODE.ellipsis) <= english.count(UNICODE.ellipsis)
+
+
+async def test_the_engagement_model_in_full_is_german_and_no_more_is_cut() -> None:
+    english = await drawn("model", SMALL, OPENERS["EngagementDialog"])
+    use("de")
+    german = await drawn("model", SMALL, OPENERS["EngagementDialog"])
+    assert "Zeichen   gemessen" in german
     assert not left_in_english(german)
     assert german.count(UNICODE.ellipsis) <= english.count(UNICODE.ellipsis)
 

@@ -375,7 +375,12 @@ def _decode(line: bytes) -> Incoming:
         return codec.decode_incoming(line)
     except codec.WireError as error:
         return Notice(
-            level="error", text=f"the robot process sent a line that is no message: {error}"
+            level="error",
+            text=say(
+                "link.no_message",
+                "the robot process sent a line that is no message: {error}",
+                error=error,
+            ),
         )
 
 

@@ -28,8 +28,8 @@ each panel, from the request to the end; the outcome in brackets unless it was d
 `questionnaires`, `settings that differ` (what a robot had, and what was wanted), `conflicts` (of a
 robot's settings). Point tiers: `markers`, `notes`, `mistakes`, `cues`, `slots`, `proposals`,
 `streams` (of and to a lab), `choices` (on a page), `dictation`, `pages` (in browsers), `drivers`,
-`settings` (of the session). Of each coder the tiers that they coded in a replay, called after them. What overlaps
-is on a tier `...-2`. Intervals shorter than 1 ms were prolonged to that. Line ends and tabs in
+`settings` (of the session). Of each coder the tiers that they coded in a replay, called after them.
+What overlaps is on a tier `...-2`. Intervals shorter than 1 ms were prolonged to that. Line ends and tabs in
 texts are shown as ␊ and ␉."""
 
 

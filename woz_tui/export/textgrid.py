@@ -29,8 +29,8 @@ each panel, from the request to the end; the outcome in brackets unless it was d
 robot's settings). Point tiers: `markers`, `notes`, `mistakes`, `cues`, `slots`, `proposals`,
 `streams` (of and to a lab), `choices` (on a page), `dictation`, `pages` (in browsers), `drivers`,
 `settings` (of the session). Of each coder the tiers that they coded in a replay, called after them.
-What overlaps is on a tier `...-2`. Intervals shorter than 1 ms were prolonged to that. Line ends and tabs in
-texts are shown as ␊ and ␉."""
+What overlaps is on a tier `...-2`. Intervals shorter than 1 ms were prolonged to that. Line ends
+and tabs in texts are shown as ␊ and ␉."""
 
 
 class TextGridExporter(Exporter):

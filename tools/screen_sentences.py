@@ -8,6 +8,7 @@ prints what a language's file lacks, in the form of the file, with the English.
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,6 +22,8 @@ from woz_tui.protocol.sentence import Sentence
 
 #: What makes a sentence of a code and its English, by module.
 MAKERS = {"woz_tui.protocol.sentence": "Sentence", "woz_tui.config.screen_language": "say"}
+#: A code whose parts are texts in YAML, where `no` is false.
+_CODE = re.compile(r"[a-z_]+\.(?!(?:y|n|yes|no|on|off|true|false|null)$)[a-z][a-z0-9_]*")
 #: Files that make sentences of what is no text of theirs.
 _OF_OTHERS = ("sentence.py", "screen_language.py", "console_keys.py")
 HEAD = """\
@@ -43,6 +46,8 @@ def sentences() -> dict[str, str]:
     sources = [(path, _sentences_in(path)) for path in sorted((ROOT / "woz_tui").rglob("*.py"))]
     for path, texts in (*sources, (Path("keys.json"), _sentences_of_keys())):
         for code, english in texts:
+            if not _CODE.fullmatch(code):
+                raise SentencesError(f"{path}: {code!r} is not SECTION.NAME, or no text in YAML")
             if found.setdefault(code, english) != english:
                 raise SentencesError(f"{path}: {code} is {found[code]!r} elsewhere")
     return dict(sorted(found.items()))
@@ -73,8 +78,6 @@ def _sentences_in(path: Path) -> Iterator[tuple[str, str]]:
                 continue
             case _:
                 raise SentencesError(f"{path}:{node.lineno}: a code and a sentence are wanted")
-        if code.count(".") != 1:
-            raise SentencesError(f"{path}:{node.lineno}: {code!r} is not SECTION.NAME")
         for keyword in node.keywords:
             match keyword:
                 case ast.keyword(arg="one", value=ast.Constant(value=str(one))):

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import string
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
+from tools import screen_sentences
 from tools.screen_sentences import sentences
 from woz_tui.config import screen_language
 from woz_tui.config.screen_language import (
@@ -179,3 +181,15 @@ def test_nothing_of_it_is_left_where_words_are_taken_out() -> None:
     line = codec.encode(m.Notice(level="info", text=locked_panel("Anna's panel").reason))
     kept = redacted(codec.decode_unknown(line))
     assert "Anna" not in repr(kept) and "wording" in kept
+
+
+@pytest.mark.parametrize("code", ["gate.no", "gate.off", "gate", "gate.a.b", "Gate.x"])
+def test_a_code_that_a_language_file_cannot_name_is_none(
+    code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "woz_tui").mkdir()
+    text = f"from {Sentence.__module__} import Sentence\n\nSAID = Sentence({code!r}, 'stop')\n"
+    (tmp_path / "woz_tui" / "said.py").write_text(text)
+    monkeypatch.setattr(screen_sentences, "ROOT", tmp_path)
+    with pytest.raises(screen_sentences.SentencesError, match="no text in YAML"):
+        screen_sentences.sentences()

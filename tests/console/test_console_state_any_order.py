@@ -12,12 +12,14 @@ from hypothesis import strategies as st
 from tests.console import scenes
 from tests.console.test_console_state import welcomed_state
 from tests.protocol.values import of
+from woz_tui.config.screen_language import use, worded
 from woz_tui.console.link.message_feed import Incoming
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.features.scripts.shown_script import shown_script
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import PanelView
+from woz_tui.protocol.sentence import Wording
 from woz_tui.protocol.welcome import WelcomeSettings
 
 names = st.sampled_from(["a1", "a2", "Hello", "Map", "voice", "face", "distance", "", "Speech"])
@@ -80,6 +82,16 @@ _SORTS: dict[object, st.SearchStrategy[object]] = {
     dict[str, m.SignShown]: st.dictionaries(
         names, st.builds(m.SignShown, filter=texts), max_size=2
     ),
+    dict[str, Wording]: st.dictionaries(
+        st.sampled_from(["reason", "text", "remedy", "seq", "unknown"]),
+        st.builds(
+            Wording,
+            code=st.one_of(names, st.sampled_from(["gate.panel_locked", "gate.undone"])),
+            values=st.dictionaries(st.sampled_from(["panel", "undone", "count"]), values),
+            text=texts,
+        ),
+        max_size=2,
+    ),
     list[PanelView]: st.just([]),
     list[m.SpokenWord]: st.lists(
         st.builds(m.SpokenWord, text=texts, began=times, ended=times), max_size=3
@@ -128,8 +140,13 @@ def _any_message() -> st.SearchStrategy[Incoming]:
 
 @given(st.lists(_any_message(), max_size=25), st.integers(0, 1 << 40))
 def test_no_message_in_any_order_is_too_much(batch: list[Incoming], local: int) -> None:
+    use("de")
+    try:
+        shown = [*map(worded, batch)]
+    finally:
+        use("en")
     state = ConsoleState()
-    state.apply(batch, local)
+    state.apply(shown, local)
     now = state.now(local)
     for panel in state.panels:
         for action in panel.actions:

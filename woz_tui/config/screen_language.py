@@ -108,7 +108,7 @@ def worded(line: T) -> T:
     texts: Any = {
         field: _filled(each.code, each.values, getattr(line, field))
         for field, each in wording.items()
-        if hasattr(line, field)
+        if isinstance(getattr(line, field, None), str)
     }
     changed: T = msgspec.structs.replace(line, **texts)  # type: ignore[type-var]
     return changed
@@ -118,7 +118,11 @@ def worded_data(data: Any) -> Any:
     """The same of what came as plain data, such as a finding of the preflight."""
     match data:
         case {"wording": dict(wording), **rest} if _used:
-            texts = {name: _inner({**each, "text": rest[name]}) for name, each in wording.items()}
+            texts = {
+                name: _inner({**each, "text": rest[name]})
+                for name, each in wording.items()
+                if isinstance(each, dict) and isinstance(rest.get(name), str)
+            }
             return {**rest, **texts}
     return data
 
@@ -131,7 +135,7 @@ def _filled(code: str, values: Mapping[str, Any], english: str) -> str:
         return str(english)
     try:
         return text.format_map({name: _inner(value) for name, value in values.items()})
-    except (KeyError, ValueError, IndexError, AttributeError, TypeError):
+    except (KeyError, ValueError, IndexError, AttributeError, TypeError, RecursionError):
         log.warning("the sentence %s cannot be filled in", code)
         return str(english)
 

@@ -11,6 +11,7 @@ import pytest
 from tests.session.rig import ScriptedDriver, SessionRig, action, call, experiment, together
 from woz_tui.config import utterance_template
 from woz_tui.config.file_position import FilePosition, Problem
+from woz_tui.config.screen_language import use, word
 from woz_tui.drivers.contract import DeviceLostError, Finding, Job, Offer, Scope
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
@@ -193,6 +194,33 @@ def test_a_driver_that_cannot_open_fails_alone(tmp_path: Path) -> None:
         assert findings["robot"].level == "ok"
 
     on_stage(tmp_path, scenario, drivers=("robot", "broken"))
+
+
+def test_the_preflight_says_in_german_who_and_what_is_not_chosen(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.experiment = replace(rig.session.experiment, conditions=("warm", "cold"))
+        said = []
+        for participant, condition in (("", ""), ("P07", ""), ("", "warm")):
+            rig.session.identity = SessionIdentity(
+                session="S01", participant=participant, condition=condition
+            )
+            said += [one.text for one in await preflight(rig.session) if one.subject == "session"]
+        assert said == [
+            "no participant and no condition set",
+            "no condition set",
+            "no participant set",
+        ]
+        use("de")
+        assert [word(text) for text in said] == [
+            "weder Teilnehmer noch Bedingung gesetzt",
+            "keine Bedingung gesetzt",
+            "kein Teilnehmer gesetzt",
+        ]
+
+    try:
+        on_stage(tmp_path, scenario)
+    finally:
+        use("en")
 
 
 def test_the_preflight_tells_what_is_odd_in_the_file(tmp_path: Path) -> None:

@@ -23,6 +23,7 @@ _ON_EVENTS = frozenset(
 #: What a sensor says, below `SURE` and from there on.
 _VERDICTS = {"presence": ("nobody", "somebody"), "gaze": ("not looking", "looking")}
 SURE = 0.5
+_CHOOSE = Sentence("session.choose", "choose it")
 #: What a line of the list can be; what is only worth knowing is in order.
 LEVELS = ("ok", "warning", "error")
 
@@ -178,16 +179,15 @@ def _recorder(session: Session) -> Finding:
 
 def _identity(session: Session) -> Finding:
     identity = session.identity
-    missing = [] if identity.participant else ["participant"]
     if session.experiment.conditions and not identity.condition:
-        missing.append("condition")
-    if missing:
-        return Finding(
-            "warning",
-            "session",
-            Sentence("session.unset", "no {names} set", names=" and no ".join(missing)),
-            Sentence("session.choose", "choose it"),
-        )
+        if identity.participant:
+            unset = Sentence("session.unset_condition", "no condition set")
+        else:
+            unset = Sentence("session.unset_both", "no participant and no condition set")
+        return Finding("warning", "session", unset, _CHOOSE)
+    if not identity.participant:
+        unset = Sentence("session.unset_participant", "no participant set")
+        return Finding("warning", "session", unset, _CHOOSE)
     condition = session.state.study.label(identity.condition)
     return Finding("ok", "session", f"{identity.participant} {condition}".strip())
 

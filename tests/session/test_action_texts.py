@@ -14,6 +14,7 @@ from msgspec import structs
 
 from tests.session.rig import SessionRig, action, call, experiment, together
 from woz_tui.config.experiment import Call, Experiment, TextVariants
+from woz_tui.config.screen_language import use, word
 from woz_tui.features.study.design import Design
 from woz_tui.features.study.section import DESIGN
 from woz_tui.gate.questions import RequestOrigin
@@ -165,6 +166,20 @@ def test_a_part_that_is_played_alone_leaves_the_whole_action_shown(tmp_path: Pat
 
 
 # -- conditions ----------------------------------------------------------------------------------
+
+
+def test_why_a_text_has_to_wait_is_worded(tmp_path: Path) -> None:
+    async def scenario(rig: PlayedActions) -> None:
+        with pytest.raises(RequestError) as caught:
+            await rig.play("Greet")
+        use("de")
+        waits = "sein text hängt von der Bedingung ab, und es ist keine Bedingung gesetzt"
+        assert word(caught.value.reason) == waits
+
+    try:
+        on_stage(tmp_path, scenario)
+    finally:
+        use("en")
 
 
 def test_a_text_follows_the_condition(tmp_path: Path) -> None:

@@ -111,7 +111,10 @@ def _chosen(
         elif values.shown:
             found[name] = HIDDEN_TEXT
         else:
-            raise MissingValueError(f"its {name} {waiting(values.get('condition', ''))}")
+            why = waiting(values.get("condition", ""))
+            raise MissingValueError(
+                Sentence("session.argument_waits", "its {name} {why}", name=name, why=why)
+            )
     return found
 
 

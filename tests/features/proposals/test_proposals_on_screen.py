@@ -180,6 +180,19 @@ async def test_likely_actions_stand_there_with_their_own_keys(size: tuple[int, i
         assert asked.set == "s2", "they have no place of their own"
 
 
+async def test_both_sentences_of_a_model_are_shown_beside_likely_actions() -> None:
+    async with piloted_console(size=(80, 24)) as pilot:
+        likely = SuggestOffered(set="s1", source="logs", items=[ProposedItem("1", action="Hello")])
+        texts = offered(2, "One?", "Two?", who="suggest", source="model")
+        on = SuggestSettings(sources=["logs", "program", "model"])
+        await told(pilot, on, likely, texts)
+        assert "F7  suggest: “Two?”" in pilot.drawn()
+        await pilot.press("f7")
+        asked = pilot.feed.last(AskTake)
+        assert isinstance(asked, AskTake)
+        assert (asked.set, asked.item) == ("s2", "2")
+
+
 LONG = "Shall I show you where the whale shark lives, behind the large tank? It is " + "far " * 20
 
 

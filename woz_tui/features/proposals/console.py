@@ -47,11 +47,14 @@ def _lines(state: ConsoleState, height: int) -> int:
 
 def _places(state: ConsoleState, tall: bool) -> int:
     """Rows for what programs propose; on a low screen one, where nothing but likely actions and
-    perhaps an assistant is to be expected.
+    perhaps an assistant is to be expected: a model offers two sentences at a time.
     """
     settings = state.session.history(ProposalHistory).settings
     assert settings is not None
-    return PLACES if tall else 1 if "logs" in settings.sources else PLACES - 1
+    if tall:
+        return PLACES
+    few = "logs" in settings.sources and "model" not in settings.sources
+    return 1 if few else PLACES - 1
 
 
 def _rows(state: ConsoleState, frame: PaintFrame) -> Sequence[Row]:

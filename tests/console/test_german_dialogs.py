@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import pytest
 
@@ -37,6 +37,8 @@ OTHERS = {"ProfileDialog", "TrialDialog", "PhasesDialog"}
 WORDS = 12
 #: Cells of the preflight's first column.
 SUBJECT = 14
+#: Cells of the lower edge of a dialog on a screen of 80 columns.
+EDGE = 66
 DIALOGS = sorted({*OPENERS} - OTHERS)
 
 
@@ -109,6 +111,13 @@ def test_subjects_of_the_preflight_fit_their_column() -> None:
     words = [catalogue("de")[f"preflight.{each}"].format(key="ctrl+x") for each in subjects]
     words += [catalogue("de")[f"terminal.{each}"] for each in ("terminal", "characters", "colours")]
     assert all(len(each) <= SUBJECT for each in words)
+
+
+@pytest.mark.parametrize("texts", [sentences(), catalogue("de")], ids=["en", "de"])
+def test_the_keys_of_a_dialog_fit_its_edge_at_80_columns(texts: Mapping[str, str]) -> None:
+    hints = {code: text for code, text in texts.items() if " · " in text and "ctrl+q" in text}
+    wide = {"robot.hint"}  # a dialog over the whole width
+    assert {code for code, text in hints.items() if len(text) > EDGE} <= wide
 
 
 async def test_why_another_key_is_to_be_pressed_is_german() -> None:

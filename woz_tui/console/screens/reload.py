@@ -45,7 +45,7 @@ class ReloadDialog(ReportDialog):
         if self._ready:
             hint = say(
                 "reload.applies",
-                "enter applies this to the running session · ctrl+q: nothing changes",
+                "enter applies this to the running session · ctrl+q: no change",
             )
         self.show_hint(hint)
         self.renew()

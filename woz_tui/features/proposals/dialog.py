@@ -86,7 +86,7 @@ class EditProposalDialog(EntryDialog):
 
     hint = Sentence(
         "proposals.edit_keys",
-        "enter says it so · ctrl+q closes; the proposal stays until it expires",
+        "enter says it so · ctrl+q closes, and the proposal stays",
     )
     size_class = "wide"
 

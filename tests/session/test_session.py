@@ -287,6 +287,13 @@ def test_the_preflight_says_in_words_what_sensors_say_in_numbers(tmp_path: Path)
     assert {name: said[name] for name in VALUES_IN_WORDS} == {
         name: words for name, (_, _, words) in VALUES_IN_WORDS.items()
     }
+    use("de")
+    try:
+        assert [word(said[name]) for name in ("presence", "gaze", "people", "stop")] == [
+            *("niemand", "schaut her", "niemand", "gelöst"),
+        ]
+    finally:
+        use("en")
 
 
 def test_the_preflight_knows_seldom_sensors_and_those_of_events(tmp_path: Path) -> None:

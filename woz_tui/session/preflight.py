@@ -21,7 +21,11 @@ _ON_EVENTS = frozenset(
     {SPEECH, "direction", "frames", "prepared", "synthesiser", "talk", "transcriber"}
 )
 #: What a sensor says, below `SURE` and from there on.
-_VERDICTS = {"presence": ("nobody", "somebody"), "gaze": ("not looking", "looking")}
+_NOBODY = Sentence("session.nobody", "nobody")
+_VERDICTS = {
+    "presence": (_NOBODY, Sentence("session.somebody", "somebody")),
+    "gaze": (Sentence("session.looks_not", "not looking"), Sentence("session.looks", "looking")),
+}
 SURE = 0.5
 _CHOOSE = Sentence("session.choose", "choose it")
 #: What a line of the list can be; what is only worth knowing is in order.
@@ -144,7 +148,7 @@ def _reading_in_words(message: m.Reading) -> str:
     if kind == "loudness" and message.value > 0:
         return f"{20 * math.log10(message.value):.0f} dB"
     if kind == "people":
-        return {0.0: "nobody", 1.0: Sentence("session.one_person", "1 person")}.get(
+        return {0.0: _NOBODY, 1.0: Sentence("session.one_person", "1 person")}.get(
             message.value, Sentence("session.people", "{value:.0f} people", value=message.value)
         )
     if word := state_word(message.sensor, message.value):
@@ -200,4 +204,4 @@ def _stop(session: Session) -> Finding:
             Sentence("session.stopped", "the stop is pressed"),
             Sentence("session.release_stop", "release the stop"),
         )
-    return Finding("ok", "stop", "released")
+    return Finding("ok", "stop", Sentence("session.stop_released", "released"))

@@ -134,3 +134,15 @@ async def test_where_somebody_else_ends_the_session_the_sentences_are_in_the_log
         pilot.feed.cut("session ended")
         await pilot.until(lambda: type(pilot.console.dialog).__name__ == "EndedDialog")
         assert "sentences typed in it are in the log" in pilot.drawn()
+
+
+async def test_a_session_that_has_ended_cannot_be_ended_again() -> None:
+    async with piloted_console(welcome_with_typed()) as pilot:
+        await pilot.tell(m.SessionEnd(reason="program", sha256="0"))
+        pilot.feed.cut("session ended")
+        await pilot.until(lambda: type(pilot.console.dialog).__name__ == "EndedDialog")
+        await pilot.press("enter")
+        assert pilot.console.dialog is None
+        await pilot.press("ctrl+q")
+        assert "Leave the console" in pilot.drawn()
+        assert "the robot rests" not in pilot.drawn()

@@ -280,7 +280,7 @@ _COMMANDS = (
     _row("suspend", _suspend, users=WATCHER),
     _row(
         "leave",
-        opens("screens.leave:LeaveDialog"),
+        calls("screens.lost:open_leave"),
         hint=KeyHint(13, Sentence("hint.leave", "leave")),
         also=(
             Sentence("find.word_end", "end"),

@@ -13,6 +13,7 @@ from woz_tui.console.drawing.cells import Row
 from woz_tui.console.link.message_feed import Loss, LostPart
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
 from woz_tui.console.screens.dialog import ConsoleApp
+from woz_tui.console.screens.leave import LeaveDialog
 from woz_tui.console.screens.typed import typed_sentences
 from woz_tui.log.file_names import current_path
 from woz_tui.protocol.sentence import Sentence
@@ -31,6 +32,11 @@ def open_lost(app: ConsoleApp) -> None:
     if not app.requests.ending:
         lost = app.state.lost or Loss("")
         app.open_dialog(EndedDialog() if app.state.ended else LostDialog(lost))
+
+
+def open_leave(app: ConsoleApp) -> None:
+    """Ask what becomes of the session; of one that has ended nothing is left to be asked."""
+    app.open_dialog(EndedDialog() if app.state.ended else LeaveDialog())
 
 
 def close_lost(app: ConsoleApp) -> None:

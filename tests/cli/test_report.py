@@ -122,7 +122,8 @@ def test_trials_that_do_not_count_are_named(here: Path, capsys: pytest.CaptureFi
         example.add(10 * number, m.TrialStarted(trial=number, condition="warm"))
         example.add(10 * number + 5, m.TrialEnded(trial=number, outcome=outcome))
     _, out, _ = run_report(capsys, "report", example.end(50).written(here))
-    assert "not counted: trials 2 (aborted), 3 (excluded)" in out
+    told = "not counted: trials 2 (aborted), 3 (excluded); --all-trials counts them"
+    assert told in " ".join(out.split())
 
 
 def test_many_sessions_on_a_page_of_80_columns(here: Path) -> None:

@@ -125,7 +125,8 @@ def title(page: ReportPage, figures: SessionFigures) -> None:
     left_out = [trial for trial in figures.trials if not trial.counted]
     if left_out and not figures.all_trials:
         outcomes = ", ".join(f"{trial.trial} ({trial.left_out})" for trial in left_out)
-        page.trouble(f"not counted: trial{'s' * (len(left_out) > 1)} {outcomes}")
+        several, them = ("s", "them") if len(left_out) > 1 else ("", "it")
+        page.trouble(f"not counted: trial{several} {outcomes}; --all-trials counts {them}")
     left = excluded_sentence((part.participant, part.counted) for part in figures.parts)
     if left and figures.of_study:
         page.trouble(left)

@@ -23,7 +23,7 @@ from woz_tui.config.screen_language import (
     worded,
 )
 from woz_tui.export.redaction import redacted
-from woz_tui.gate.facts import Facts
+from woz_tui.gate.facts import Facts, console_of
 from woz_tui.gate.questions import PlayAction, RequestOrigin
 from woz_tui.gate.table import locked_panel, why_not
 from woz_tui.protocol import codec
@@ -193,3 +193,11 @@ def test_a_code_that_a_language_file_cannot_name_is_none(
     monkeypatch.setattr(screen_sentences, "ROOT", tmp_path)
     with pytest.raises(screen_sentences.SentencesError, match="no text in YAML"):
         screen_sentences.sentences()
+
+
+def test_why_driving_ended_is_worded_too() -> None:
+    gone = Sentence("host.no_response", "{part} does not respond", part=console_of(""))
+    came = codec.decode_message(codec.encode(m.StopPressed(source=gone, scope="drive")))
+    use("de")
+    assert worded(came).source == "die Konsole der Versuchsleitung antwortet nicht"  # type: ignore[attr-defined]
+    assert worded(m.StopPressed(source="key")).source == "key"

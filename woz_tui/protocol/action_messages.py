@@ -290,6 +290,7 @@ class StopPressed(Message, frozen=True, kw_only=True, tag="stop.pressed"):
     scope: str = msgspec.field(default_factory=lambda: "all")
     console: str = ""
     pressed: int = 0
+    wording: dict[str, Wording] = {}
 
 
 class StopConfirmed(Message, frozen=True, kw_only=True, tag="stop.confirmed"):

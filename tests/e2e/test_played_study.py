@@ -25,8 +25,8 @@ def woz(lab: Lab, *words: str) -> None:
     assert ran.returncode == 0, said
 
 
-def test_a_study_of_two_is_played_deposited_and_read_back(lab: Lab) -> None:
-    people = {each.code: each for each in played_study.play(lab, ["P01", "P02"])}
+def test_a_study_is_played_deposited_and_read_back(lab: Lab) -> None:
+    people = {each.code: each for each in played_study.play(lab, ["P01"])}
     recordings, osf = str(lab.recordings), lab.folder / "osf"
     woz(lab, "bundle", recordings, "--out", str(osf))
     woz(lab, "export", recordings, "--to", "csv", "--out", str(lab.folder / "csv"))
@@ -48,7 +48,7 @@ def test_a_study_of_two_is_played_deposited_and_read_back(lab: Lab) -> None:
             if "value" in answer:
                 assert rows[who.code, condition][column] == str(answer["value"]), column
                 compared += 1
-    assert compared > 80
+    assert compared > 40
     said = b"".join(path.read_bytes() for path in osf.rglob("*.*") if path.is_file())
     for words in played_study.WORDS:
         assert words.encode() not in said
@@ -65,4 +65,4 @@ def test_a_study_of_two_is_played_deposited_and_read_back(lab: Lab) -> None:
                     of = {row["condition"]: row for row in csv.DictReader(file)}[condition]
                 values = [float(value) for value in of["values"].split()]
                 assert count == of["n"]
-                assert float(mean) == pytest.approx(sum(values) / 2, abs=1e-3)
+                assert float(mean) == pytest.approx(sum(values) / len(values), abs=1e-3)

@@ -108,12 +108,14 @@ async def test_a_source_that_stands_still_is_lost_and_what_it_sends_then_comes(
         running(*source(*EYES), env=env) as eyes,
     ):
         await found(rig)
+        await send(eyes, "here")
+        await rig.until(lambda: rig.of(m.Marker))
         eyes.process.send_signal(signal.SIGSTOP)
         await rig.until(lambda: rig.of(LslLost))
         assert "does not answer" in rig.of(LslLost)[0].why
         eyes.process.send_signal(signal.SIGCONT)
         await send(eyes, "awake")
-        await rig.until(lambda: rig.of(m.Marker))
+        await rig.until(lambda: len(rig.of(m.Marker)) == 2)
         assert len(rig.of(LslFound)) == 2
 
 
@@ -151,6 +153,7 @@ async def test_a_flood_is_taken_in_part_and_the_rest_is_counted(tmp_path: Path) 
         await found(rig)
         assert flood.process.stdin is not None
         flood.process.stdin.write(b"now\n")
+        await rig.until(lambda: rig.of(LslClock))  # it comes behind what was found
         await rig.until(lambda: len(rig.of(m.Marker)) + rig.of(LslClock)[-1].too_fast == 1000)
     markers = rig.of(m.Marker)
     assert 100 <= len(markers) < 1000

@@ -22,8 +22,6 @@ log = logging.getLogger(__name__)
 
 FOLDER = Path(__file__).parents[1] / "languages" / "screen"
 ENGLISH = "en"
-#: What the environment's variables say of a language where they say none.
-_NONE = ("", "C", "POSIX")
 
 T = TypeVar("T")
 #: A language's sentences by their codes. The English ones stand in the program; their file is made
@@ -47,7 +45,7 @@ def of_environment(variables: Mapping[str, str] = os.environ) -> str:
     names = ("LC_ALL", "LC_MESSAGES", "LANG")
     said = next((variables[name] for name in names if variables.get(name)), "")
     code = said.partition(".")[0].partition("_")[0].lower()
-    return code if said not in _NONE and code in shipped() else ENGLISH
+    return code if code in shipped() else ENGLISH  # C and POSIX are none
 
 
 @cache

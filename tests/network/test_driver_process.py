@@ -107,6 +107,7 @@ async def test_it_works_in_another_process_which_ends_with_it(tmp_path: Path) ->
         changes = await asyncio.to_thread(arm.driver.reread, WorkerSettings(), dry_run=True)
         assert changes == ["arm knows more"]
     assert arm.notes() == ["open", "close"]
+    assert arm.context.notices[-1][1] == "it has waved enough"
     with pytest.raises(ProcessLookupError):
         os.kill(int(str(done["pid"])), 0)
 

@@ -108,6 +108,7 @@ class Worker(Driver):
 
     async def close(self) -> None:
         self._note("close")
+        self.context.notice("info", "it has waved enough")
 
 
 def driver_process(folder: Path, **drivers: WorkerSettings) -> DriverProcess:

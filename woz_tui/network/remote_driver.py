@@ -30,6 +30,7 @@ from woz_tui.drivers.contract import (
     HandInput,
     Health,
     Job,
+    NoticeStatement,
     RejectedError,
     Scope,
     SensorStatement,
@@ -513,6 +514,8 @@ class RemoteDriver(Driver):
                 | dm.MotionEnded()
             ):
                 self._tell_of_command(body)
+            case NoticeStatement():  # also its last words, while it lets go
+                self.context.publish(body)
             case _ if not self._closed.is_set():
                 self._tell(body)
 

@@ -43,7 +43,7 @@ ACTIONS = """\
       - {key: f, label: "Action F", home: 1, emotion: neutral}
 """
 _NOTICE = re.compile(
-    r"body: (?P<ticks>\d+) ticks, late by (?P<p50>[\d.]+) ms .*, (?P<p99>[\d.]+) ms \(99 %\),"
+    r"(?P<ticks>\d+) ticks, late by (?P<p50>[\d.]+) ms .*, (?P<p99>[\d.]+) ms \(99 %\),"
     r" (?P<worst>[\d.]+) ms \(the latest\); (?P<missed>\d+) left out"
 )
 #: Until the first line of a journal, in seconds.

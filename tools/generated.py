@@ -50,7 +50,6 @@ def _completion(shell: str, _: str) -> str:
 FILES: Mapping[str, Callable[[str], str]] = {
     "docs/explanation/engagement.md": engagement_diagram.refreshed,
     "docs/how-to/emotion-sounds.md": emotion_sounds.refreshed,
-    "docs/how-to/export.md": redaction_lists.refreshed,
     "docs/how-to/keymap.md": keymap_reference.refreshed,
     "docs/how-to/render.md": lambda page: replaced(page, "inputs", inputs_table()),
     "docs/how-to/robots.md": lambda page: replaced(
@@ -63,6 +62,7 @@ FILES: Mapping[str, Callable[[str], str]] = {
     "docs/reference/pepper-coverage.md": lambda _: pepper_coverage.page(),
     "docs/reference/protocol-fields.md": lambda _: protocol_reference.page(),
     "docs/reference/protocol.schema.json": partial(_schema, protocol_reference.schema),
+    "docs/reference/redaction.md": redaction_lists.refreshed,
     "docs/reference/session-log.md": log_reference.refreshed,
     "docs/reference/tables.md": tables_reference.refreshed,
     "docs/reference/toolkit-coverage.md": lambda _: toolkit_coverage.page(),

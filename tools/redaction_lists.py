@@ -1,4 +1,4 @@
-"""The lists of docs/how-to/export.md: what redaction keeps."""
+"""The lists of docs/reference/redaction.md: what redaction keeps."""
 
 from __future__ import annotations
 

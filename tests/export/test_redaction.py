@@ -35,7 +35,7 @@ from woz_tui.protocol.welcome import Questionnaire, WelcomeSettings
 
 pytestmark = pytest.mark.safety
 
-GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "export.md"
+GUIDE = Path(__file__).parents[2] / "docs" / "reference" / "redaction.md"
 #: What of an item is the researcher's own wording.
 _OF_ITEM = (
     *("name", "question", "stem", "ends", "labels.text", "choices.text", "unit", "group"),

@@ -26,7 +26,7 @@ from woz_tui.export.tiers import (
 from woz_tui.log.coding_file import Coding, coding_path
 from woz_tui.protocol import messages as m
 
-GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "export.md"
+GUIDE = Path(__file__).parents[2] / "docs" / "how-to" / "elan-praat.md"
 SPANS = st.lists(
     st.builds(
         lambda begin, length: TierSpan(begin, begin + length, f"{begin}+{length}"),

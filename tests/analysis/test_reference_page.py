@@ -70,7 +70,7 @@ def test_every_total_of_a_part_is_a_figure() -> None:
 
 
 def test_the_rules_are_those_of_the_code() -> None:
-    assert f"from a cue to its answer ({WINDOW_US // 1_000_000})" in WORDS
+    assert f"within the window (`--window`, {WINDOW_US // 1_000_000} s)" in WORDS
     assert ECHO_US == 1_000_000
     assert "A cue that comes within a second of another one" in WORDS
     for name in (*CUE_RESULTS, *CUE_TYPES):

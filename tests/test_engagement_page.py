@@ -35,7 +35,7 @@ def test_every_state_and_every_edge_is_drawn() -> None:
 def test_the_pages_lines_of_samples_come_out_as_it_says(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = (DOCS / "explanation" / "engagement.md").read_text("utf-8")
+    text = (DOCS / "how-to" / "engagement-again.md").read_text("utf-8")
     rows = text.partition("<<END\n")[2].partition("END\n")[0]
     told = text.partition("```json\n")[2].partition("```")[0]
     file = tmp_path / "visit.jsonl"

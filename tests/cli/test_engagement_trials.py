@@ -126,7 +126,7 @@ def test_the_command_prints_both_tables(log: Path, capsys: pytest.CaptureFixture
     assert cli.main(["engagement", str(log), "--trials"]) == 0
     out = capsys.readouterr().out
     assert "Correct throughout" in out
-    assert "\nCorrect throughout\n" in (DOCS / "explanation" / "engagement.md").read_text("utf-8")
+    assert "\nCorrect throughout\n" in (DOCS / "how-to" / "engagement-again.md").read_text("utf-8")
     assert "100 %" in out
     rows = {line.split()[0]: line.split()[-2:] for line in out.splitlines() if line}
     assert rows["30.0"] == ["-", "-"]

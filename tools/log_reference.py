@@ -102,11 +102,6 @@ FIELDS: dict[str, tuple[str, str]] = {
     "emotion": ("", "what the face shows"),
     "ended": ("µs", "moment, on the `t` axis, at which it ended"),
     "engaged": ("", "whether the condition of engagement holds"),
-    "wording": (
-        "",
-        "of which sentences its texts are, by field: `code`, and the `values` that are filled in;"
-        " where a text has no code it is left out",
-    ),
     "evidence": ("", "on what it stands that it was done: see the line's description"),
     "expected_us": ("µs", "remaining duration, from this line on"),
     "expects": ("", "correct answers: names of actions"),
@@ -163,10 +158,6 @@ FIELDS: dict[str, tuple[str, str]] = {
     "redacted": ("", "texts and dates were taken out"),
     "sees": ("", "`all`: it also gets what is hidden from the wizard; absent: it does not"),
     "telling": ("", "those of `changes` that could reveal which condition is which"),
-    "tells": (
-        "",
-        "what its text reveals that can be hidden from a role: see *What is kept*; absent: nothing",
-    ),
     "uncalled": ("", "actions while no cue waited"),
     "unfilled": ("", "those of `args` that reveal it, with variables not filled in; absent: none"),
     "edited": ("", "whether its sentence was typed anew before it was said; absent: no"),
@@ -347,8 +338,8 @@ FIELDS: dict[str, tuple[str, str]] = {
     "wrong": ("", "cues that were answered by another action"),
 }
 
-#: On every line; explained once, above the tables.
-COMMON = tuple(field.name for field in msgspec.structs.fields(Message))
+#: On every line, and what a line of many kinds may have; explained once, above the tables.
+COMMON = (*(field.name for field in msgspec.structs.fields(Message)), "tells", "wording")
 
 _NAMES = {"integer": "whole number", "object": "object", "array": "list", "string": "text"}
 

@@ -31,9 +31,9 @@ ELSEWHERE = re.compile(
 )
 #: Pieces that do not load by themselves, by page and first line.
 NOT_ALONE = {
+    ("camera.md", "- {key: f, label: Film"): "needs a camera",
     ("engagement-sound.md", "- {key: z, label: Learn the room"): "needs a microphone",
     ("instruments.md", "questionnaires:"): "its files are copied; tests of instruments load them",
-    ("live-sound.md", "- {key: f, label: Film"): "needs a camera",
     ("ros.md", "sensors:"): "settings of a driver, which tests/drivers/ros loads",
     ("several-computers.md", "title:"): "tests/e2e/test_several_computers.py loads it",
     ("several-wizards.md", "panels:"): "its actions are dots",

@@ -3,7 +3,7 @@
 The shapes alone; `woz_tui.sensing` does something with them. Defaults are those of the paper (U.
 Maniscalco, P. Storniolo, A. Messina, Int. J. of Social Robotics 14, 2022, doi
 10.1007/s12369-021-00855-w) and, where it is silent, of the program that its authors published;
-`docs/explanation/engagement.md` tells which is which.
+`docs/explanation/engagement-paper.md` tells which is which.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -12,6 +13,7 @@ from woz_tui.analysis.tables import (
     CONDITIONS,
     EVENTS,
     SAMPLES,
+    Column,
     TableDefinition,
 )
 from woz_tui.features.questionnaires.codebook import CODEBOOK, answer_column, variables, wide_table
@@ -31,10 +33,17 @@ TABLES: tuple[TableDefinition[Any], ...] = (
     SAMPLES,
 )
 
+#: In so many tables a column is explained once, above them.
+_MANY = 10
+_HEAD = ("| column | type | unit | meaning |", "|---|---|---|---|")
+
 
 def tables() -> str:
     """All figures and all columns as Markdown."""
-    return "\n".join([*_figures(), *(line for table in TABLES for line in _table(table))])
+    rows = Counter(_row(column) for table in TABLES for column in table.columns)
+    shared = [row for row, times in rows.items() if times >= _MANY]
+    below = (line for table in TABLES for line in _table(table, shared))
+    return "\n".join([*_figures(), "", "## Columns of many tables", "", *_HEAD, *shared, *below])
 
 
 def _figures() -> Iterator[str]:
@@ -46,20 +55,27 @@ def _figures() -> Iterator[str]:
         yield f"| `{measure.name}` | {measure.unit} | {measure.meaning} |"
 
 
-def _table(table: TableDefinition[Any]) -> Iterator[str]:
+def _table(table: TableDefinition[Any], shared: list[str]) -> Iterator[str]:
+    above = [column.name for column in table.columns if _row(column) in shared]
+    figures = {measure.name for measure in MEASURES} if table is CONDITIONS else set()
     yield ""
     yield f"## `{table.name}.csv`"
     yield ""
     yield table.meaning
     yield ""
-    yield "| column | type | unit | meaning |"
-    yield "|---|---|---|---|"
-    figures = {measure.name for measure in MEASURES} if table is CONDITIONS else set()
+    if above:
+        yield f"With [{', '.join(f'`{name}`' for name in above)}](#columns-of-many-tables)."
+        yield ""
+    yield from _HEAD
     for column in table.columns:
-        if column.name not in figures:
-            yield f"| `{column.name}` | {column.type} | {column.unit} | {column.meaning} |"
+        if column.name not in {*figures, *above}:
+            yield _row(column)
     if figures:
         yield "| *all main figures* | | | one column each, see above |"
+
+
+def _row(column: Column[Any]) -> str:
+    return f"| `{column.name}` | {column.type} | {column.unit} | {column.meaning} |"
 
 
 def refreshed(page: str) -> str:

@@ -42,11 +42,20 @@ def program(path: Path, text: str) -> None:
     path.chmod(0o755)
 
 
+def write_tests(folder: Path, markers: dict[str, str]) -> None:
+    """Files below `tests`, with the marker of their tests."""
+    for name, marker in markers.items():
+        file = folder / "tests" / name
+        file.parent.mkdir(exist_ok=True)
+        file.write_text(f"pytestmark = pytest.mark.{marker}\n")
+
+
 def run(folder: Path, computing: int, timed: int, *options: str) -> int:
     """The script's status; pytest ends with these, for what does not need the real clock and for
     the rest.
     """
     checkout(folder, PYTHON.format(computing=computing, timed=timed))
+    write_tests(folder, {"test_bus.py": "real_clock"})
     command = [str(folder / ".ci" / "test"), *options]
     return subprocess.run(command, capture_output=True, timeout=60, check=False).returncode
 
@@ -71,6 +80,15 @@ def test_marked_tests_are_one_run(tmp_path: Path, status: int, passes: bool) -> 
 def test_bare_means_without_programs_that_not_every_machine_has(tmp_path: Path) -> None:
     checkout(tmp_path, NOTING_PYTHON)
     program(tmp_path / "bin" / "aplay", "#!/bin/sh\n")
+    write_tests(
+        tmp_path,
+        {
+            "drivers/test_speech.py": "asyncio",
+            "cli/test_run.py": "asyncio",
+            "host/test_process.py": "real_clock",
+            "bus/test_bus.py": "real_clock",
+        },
+    )
     path = f"{tmp_path / 'bin'}:{os.environ['PATH']}"
     done = subprocess.run(
         [str(tmp_path / ".ci" / "bare"), "-x"],
@@ -83,22 +101,24 @@ def test_bare_means_without_programs_that_not_every_machine_has(tmp_path: Path) 
     assert "aplay is not installed: leaving out the tests marked 'alsa'" in done.stderr
     (found,) = (tmp_path / "found").read_text().splitlines()
     assert Path(found).name == "git"
-    for asked in (tmp_path / "asked").read_text().splitlines():
-        assert asked.endswith(" tests/drivers tests/cli tests/host -x")
+    # Those on the real clock are a run of their own, which reads no other file.
+    first, last = (tmp_path / "asked").read_text().splitlines()
+    assert first.endswith(" tests/drivers tests/cli tests/host -x")
+    assert last.endswith(" -x tests/host/test_process.py")
 
 
 def test_the_rest_is_what_was_not_run_bare(tmp_path: Path) -> None:
     checkout(tmp_path, NOTING_PYTHON)
-    for name, marker in {
-        "drivers/test_speech.py": "asyncio",
-        "drivers/test_player.py": "alsa",
-        "cli/test_host_start.py": "real_clock",
-        "host/test_process.py": "asyncio",
-        "bus/test_bus.py": "real_clock",
-    }.items():
-        file = tmp_path / "tests" / name
-        file.parent.mkdir(exist_ok=True)
-        file.write_text(f"pytestmark = pytest.mark.{marker}\n")
+    write_tests(
+        tmp_path,
+        {
+            "drivers/test_speech.py": "asyncio",
+            "drivers/test_player.py": "alsa",
+            "cli/test_host_start.py": "real_clock",
+            "host/test_process.py": "asyncio",
+            "bus/test_bus.py": "real_clock",
+        },
+    )
     told = subprocess.run(
         [str(tmp_path / ".ci" / "bare"), "--tested"],
         capture_output=True,
@@ -118,10 +138,17 @@ def test_the_rest_is_what_was_not_run_bare(tmp_path: Path) -> None:
     assert "tests/cli/test_host_start.py" not in asked[-1].split()
 
 
+def test_in_a_folder_without_tests_on_the_real_clock_there_is_one_run(tmp_path: Path) -> None:
+    checkout(tmp_path, NOTING_PYTHON)
+    write_tests(tmp_path, {"bus/test_bus.py": "asyncio", "host/test_host.py": "real_clock"})
+    subprocess.run([str(tmp_path / ".ci" / "test"), "tests/bus"], timeout=60, check=True)
+    (asked,) = (tmp_path / "asked").read_text().splitlines()
+    assert "not real_clock" in asked and asked.endswith(" tests/bus")
+
+
 def test_options_change_nothing_about_which_files_are_read(tmp_path: Path) -> None:
     checkout(tmp_path, NOTING_PYTHON)
-    file = tmp_path / "tests" / "test_bus.py"
-    file.write_text("pytestmark = pytest.mark.real_clock\n")
+    write_tests(tmp_path, {"test_bus.py": "real_clock"})
     command = [str(tmp_path / ".ci" / "test"), "-q", "--durations=0"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
     assert "grep" not in done.stderr

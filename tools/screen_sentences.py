@@ -10,7 +10,8 @@ from __future__ import annotations
 import ast
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 
 import yaml
@@ -36,14 +37,15 @@ class SentencesError(ValueError):
     """A code is not a text of the form SECTION.NAME, or has two English sentences."""
 
 
-def sentences() -> dict[str, str]:
+@cache  # takes seconds
+def sentences(root: Path = ROOT) -> Mapping[str, str]:
     """All English sentences by their codes, NAME_one among them, in the order of their codes.
 
     Raises:
         SentencesError: A code has two sentences, or is none.
     """
     found: dict[str, str] = {}
-    sources = [(path, _sentences_in(path)) for path in sorted((ROOT / "woz_tui").rglob("*.py"))]
+    sources = [(path, _sentences_in(path)) for path in sorted((root / "woz_tui").rglob("*.py"))]
     for path, texts in (*sources, (Path("keys.json"), _sentences_of_keys())):
         for code, english in texts:
             if not _CODE.fullmatch(code):
@@ -61,7 +63,10 @@ def _sentences_of_keys() -> Iterator[tuple[str, str]]:
 
 
 def _sentences_in(path: Path) -> Iterator[tuple[str, str]]:
-    nodes = [*ast.walk(ast.parse(path.read_text("utf-8")))]
+    text = path.read_text("utf-8")
+    if not any(module in text for module in MAKERS):
+        return
+    nodes = [*ast.walk(ast.parse(text))]
     makers = {
         MAKERS.get(node.module or "")
         for node in nodes
@@ -84,7 +89,7 @@ def _sentences_in(path: Path) -> Iterator[tuple[str, str]]:
                     yield f"{code}_one", one
 
 
-def as_file(by_code: dict[str, str], head: str = HEAD) -> str:
+def as_file(by_code: Mapping[str, str], head: str = HEAD) -> str:
     """Sentences in the form of a language's file."""
     sections: dict[str, dict[str, str]] = {}
     for code, text in by_code.items():

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tools import screen_sentences
-from tools.screen_sentences import sentences
+from tools.screen_sentences import SentencesError, sentences
 from woz_tui.config import screen_language
 from woz_tui.config.screen_language import (
     catalogue,
@@ -184,15 +183,12 @@ def test_nothing_of_it_is_left_where_words_are_taken_out() -> None:
 
 
 @pytest.mark.parametrize("code", ["gate.no", "gate.off", "gate", "gate.a.b", "Gate.x"])
-def test_a_code_that_a_language_file_cannot_name_is_none(
-    code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_code_that_a_language_file_cannot_name_is_none(code: str, tmp_path: Path) -> None:
     (tmp_path / "woz_tui").mkdir()
     text = f"from {Sentence.__module__} import Sentence\n\nSAID = Sentence({code!r}, 'stop')\n"
     (tmp_path / "woz_tui" / "said.py").write_text(text)
-    monkeypatch.setattr(screen_sentences, "ROOT", tmp_path)
-    with pytest.raises(screen_sentences.SentencesError, match="no text in YAML"):
-        screen_sentences.sentences()
+    with pytest.raises(SentencesError, match="no text in YAML"):
+        sentences(tmp_path)
 
 
 def test_why_driving_ended_is_worded_too() -> None:

@@ -11,10 +11,21 @@ from typing import Any
 import pytest
 
 from tests.host.rig import Peer, ServedSession, served_session
-from tests.session.rig import HERE, ScriptedDriver, action, call, experiment, together, with_script
+from tests.session.rig import (
+    CONSENT_VERB,
+    HERE,
+    LEARN_VERB,
+    ScriptedDriver,
+    action,
+    call,
+    experiment,
+    together,
+    with_script,
+    with_verbs,
+)
 from woz_tui.config.experiment import Experiment, Panel, SessionSettings
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.drivers.contract import Argument, Job, Offer, Verb
+from woz_tui.drivers.contract import Job, Offer
 from woz_tui.features.phases.section import PHASES, Phase
 from woz_tui.features.profiles.section import PROFILES, Profile
 from woz_tui.protocol import messages as m
@@ -144,15 +155,7 @@ class LearningDriver(ScriptedDriver):
 
     @classmethod
     def offer(cls, settings: Any) -> Offer:
-        name = Argument("name", "text", required=True)
-        return replace(
-            super().offer(settings),
-            verbs=(
-                *super().offer(settings).verbs,
-                Verb("face_consent", "", (name,), lane="consent"),
-                Verb("learn_face", "", (name,), lane="eye"),
-            ),
-        )
+        return with_verbs(super().offer(settings), CONSENT_VERB, LEARN_VERB)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         self.calls.append((job.verb, dict(job.args)))

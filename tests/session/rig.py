@@ -24,6 +24,8 @@ from woz_tui.config.experiment import (
 from woz_tui.config.feature_section import FeatureSection
 from woz_tui.config.file_position import FilePosition
 from woz_tui.drivers.contract import (
+    FACE_CONSENT,
+    LEARN_FACE,
     Argument,
     Driver,
     DriverContext,
@@ -54,6 +56,19 @@ Kind = TypeVar("Kind", bound=m.Message)
 @dataclass(frozen=True, slots=True)
 class NoSettings:
     """No settings."""
+
+
+_NAME = Argument("name", "text", required=True)
+#: Verbs of a robot that learns the faces of those who consented, and forgets them.
+CONSENT_VERB = Verb(
+    FACE_CONSENT, "", (_NAME, Argument("given", "flag", default=True)), lane="consent"
+)
+LEARN_VERB = Verb(LEARN_FACE, "", (_NAME,), lane="eye")
+
+
+def with_verbs(offer: Offer, *verbs: Verb) -> Offer:
+    """What a driver offers, and these."""
+    return replace(offer, verbs=(*offer.verbs, *verbs))
 
 
 class ScriptedDriver(Driver):

@@ -14,8 +14,9 @@ import msgspec
 import pytest
 
 from tests.session.engagement_rig import PLAIN, EngagementRig, GuideDriver, guided, in_room
+from tests.session.rig import CONSENT_VERB, LEARN_VERB, with_verbs
 from woz_tui.config.engagement import HandshakeSettings
-from woz_tui.drivers.contract import Argument, Job, Offer, Verb
+from woz_tui.drivers.contract import Job, Offer
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.sensing.visitor_store import VisitorStore
@@ -155,16 +156,7 @@ class ConsentingFaceDriver(GuideDriver):
 
     @classmethod
     def offer(cls, settings: Any) -> Offer:
-        name = Argument("name", "text", required=True)
-        argument = Argument("given", "flag", default=True)
-        return replace(
-            super().offer(settings),
-            verbs=(
-                *super().offer(settings).verbs,
-                Verb("face_consent", "", (name, argument), lane="consent"),
-                Verb("learn_face", "", (name,), lane="identity"),
-            ),
-        )
+        return with_verbs(super().offer(settings), CONSENT_VERB, LEARN_VERB)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         if job.verb == "face_consent":
@@ -208,14 +200,7 @@ class FaceLearningDriver(GuideDriver):
 
     @classmethod
     def offer(cls, settings: Any) -> Offer:
-        name = Argument("name", "text", required=True)
-        return replace(
-            super().offer(settings),
-            verbs=(
-                *super().offer(settings).verbs,
-                Verb("learn_face", "", (name,), lane="identity"),
-            ),
-        )
+        return with_verbs(super().offer(settings), LEARN_VERB)
 
 
 def test_a_name_that_the_wizard_gives_is_no_consent(tmp_path: Path) -> None:

@@ -19,10 +19,18 @@ from tests.session.engagement_rig import (
     guided,
     in_room,
 )
-from tests.session.rig import HERE, action, call, together
+from tests.session.rig import (
+    CONSENT_VERB,
+    HERE,
+    LEARN_VERB,
+    action,
+    call,
+    together,
+    with_verbs,
+)
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.experiment import Action, DriverSpec, Panel
-from woz_tui.drivers.contract import Argument, Ask, Job, Offer, Verb
+from woz_tui.drivers.contract import Ask, Job, Offer
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
@@ -39,16 +47,7 @@ class Learner(GuideDriver):
 
     @classmethod
     def offer(cls, settings: Any) -> Offer:
-        name = Argument("name", "text", required=True)
-        argument = Argument("given", "flag", default=True)
-        return replace(
-            super().offer(settings),
-            verbs=(
-                *super().offer(settings).verbs,
-                Verb("face_consent", "", (name, argument), lane="consent"),
-                Verb("learn_face", "", (name,), lane="eye"),
-            ),
-        )
+        return with_verbs(super().offer(settings), CONSENT_VERB, LEARN_VERB)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         if job.verb == "learn_face":

@@ -8,17 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from tests.session.engagement_rig import WIZARD, EngagementRig, GuideDriver, guided, in_room
-from tests.session.rig import action, call, together
+from tests.session.rig import CONSENT_VERB, LEARN_VERB, action, call, together, with_verbs
 from woz_tui.config.experiment import DriverSpec
-from woz_tui.drivers.contract import (
-    FACE_CONSENT,
-    LEARN_FACE,
-    Argument,
-    DriverError,
-    Job,
-    Offer,
-    Verb,
-)
+from woz_tui.drivers.contract import FACE_CONSENT, LEARN_FACE, DriverError, Job, Offer
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 
@@ -28,15 +20,7 @@ class FaceLearningDriver(GuideDriver):
 
     @classmethod
     def offer(cls, settings: Any) -> Offer:
-        name = Argument("name", "text", required=True)
-        return replace(
-            super().offer(settings),
-            verbs=(
-                *super().offer(settings).verbs,
-                Verb(FACE_CONSENT, "", (name,), lane="consent"),
-                Verb(LEARN_FACE, "", (name,), lane="eye"),
-            ),
-        )
+        return with_verbs(super().offer(settings), CONSENT_VERB, LEARN_VERB)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         if job.verb == LEARN_FACE and job.args.get("name") == "Nobody":

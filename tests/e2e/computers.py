@@ -8,7 +8,6 @@ import os
 import signal
 import subprocess
 import sys
-from types import TracebackType
 
 from tests.e2e.lab import Lab
 from tests.fakes.terminal import ROOT
@@ -54,12 +53,7 @@ class Network:
     def __enter__(self) -> Network:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *failed: object) -> None:
         self._closing.close()
 
     def change(self, name: str, **conditions: float) -> None:

@@ -15,7 +15,6 @@ import os
 import subprocess
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -136,12 +135,7 @@ class FindingProgram:
     def __enter__(self) -> FindingProgram:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *failed: object) -> None:
         self._ran.kill()
         _, self.errors = self._ran.communicate()
 
@@ -201,12 +195,7 @@ class RecognisingProgram:
     def __enter__(self) -> RecognisingProgram:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *failed: object) -> None:
         self._ran.kill()
         self._ran.communicate()
 

@@ -46,6 +46,17 @@ async def open_dialog(pilot: ConsolePilot, name: str) -> None:
     await pilot.settle()
 
 
+async def named(pilot: ConsolePilot, code: str = "P08") -> None:
+    """Open the participant dialog and write another code."""
+    await open_dialog(pilot, "StartDialog")
+    field = pilot.console.screen.query_one("#participant", Input)
+    field.value = ""
+    await pilot.type(code)
+    await pilot.until(lambda: field.value == code)
+    for _ in range(5):  # the question, its answer, the fields that it fills in, their places
+        await pilot.press()
+
+
 #: The console's keys that open a dialog.
 OPENING: tuple[str, ...] = (
     "say",

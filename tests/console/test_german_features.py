@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from textual.widgets import Input
 
 from tests.console import scenes, study_scene
-from tests.console.dialogs import open_dialog
+from tests.console.dialogs import named, open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.robot import pepper
 from tests.console.test_replay_console import watching
@@ -25,7 +25,8 @@ from woz_tui.features.questionnaires.dialog import OfferDialog
 from woz_tui.features.training.dialog import BeginDialog, ScoreDialog
 from woz_tui.protocol import messages as m
 
-SIZES = pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+#: Where everything has the least room.
+SMALL = (80, 24)
 #: The sections of what is drawn here.
 SECTIONS = (
     *("study", "phases", "scripts", "profiles", "questionnaires", "training", "slots", "people"),
@@ -74,9 +75,8 @@ def is_german(pilot: ConsolePilot, *told: str) -> None:
     assert not english_in(drawn), drawn
 
 
-@SIZES
-async def test_trials_and_breaks(size: tuple[int, int]) -> None:
-    async with piloted_console(study_scene.welcome(study_scene.trial()), size=size) as pilot:
+async def test_trials_and_breaks() -> None:
+    async with piloted_console(study_scene.welcome(study_scene.trial()), size=SMALL) as pilot:
         await open_dialog(pilot, "TrialDialog")
         is_german(
             pilot,
@@ -93,9 +93,8 @@ async def test_trials_and_breaks(size: tuple[int, int]) -> None:
         is_german(pilot, "abgebrochen: er wird wiederholt: Enter tut es · ctrl+q lässt es")
 
 
-@SIZES
-async def test_between_trials(size: tuple[int, int]) -> None:
-    async with piloted_console(study_scene.welcome(), size=size) as pilot:
+async def test_between_trials() -> None:
+    async with piloted_console(study_scene.welcome(), size=SMALL) as pilot:
         await open_dialog(pilot, "TrialDialog")
         is_german(pilot, "noch kein Durchgang, 4 geplant", "Durchgang 3 beginnen")
         await pilot.press("1")
@@ -110,14 +109,13 @@ async def test_between_trials(size: tuple[int, int]) -> None:
         )
 
 
-@SIZES
-async def test_the_order_of_conditions(size: tuple[int, int]) -> None:
-    from tests.features.study.test_order_dialog import named, propose  # noqa: PLC0415
+async def test_the_order_of_conditions() -> None:
+    from tests.features.study.test_order_dialog import propose  # noqa: PLC0415
 
     first = scenes.welcome(
         state=[scenes.start("", "")], settings={"study": study_scene.study_description()}
     )
-    async with piloted_console(first, size=size) as pilot:
+    async with piloted_console(first, size=SMALL) as pilot:
         propose(pilot)
         await named(pilot)
         drawn = pilot.drawn()
@@ -129,9 +127,8 @@ async def test_the_order_of_conditions(size: tuple[int, int]) -> None:
         assert "Es gibt keine Bedingung 'mild', nur: warm, cold" in " ".join(pilot.drawn().split())
 
 
-@SIZES
-async def test_phases(size: tuple[int, int]) -> None:
-    async with piloted_console(guide(), size=size) as pilot:
+async def test_phases() -> None:
+    async with piloted_console(guide(), size=SMALL) as pilot:
         assert "keine Phase  )  Opening" in pilot.text("StatusLines")
         await at(pilot, begins("opening"))
         assert ") Phase" in pilot.text("StopBar")
@@ -139,14 +136,13 @@ async def test_phases(size: tuple[int, int]) -> None:
         is_german(pilot, "jetzt; Speech", "geplant 02:00", "Pfeile wählen · Enter beginnt sie")
 
 
-@SIZES
-async def test_profiles(size: tuple[int, int]) -> None:
+async def test_profiles() -> None:
     settings: dict[str, m.Json] = {
         "profile": "easy",
         "profiles": ["easy", "all of it"],
         "allows": {"easy": {"panels": ["Speech"], "controls": ["volume"], "hide": True}},
     }
-    async with piloted_console(scenes.welcome(settings=settings), size=size) as pilot:
+    async with piloted_console(scenes.welcome(settings=settings), size=SMALL) as pilot:
         await open_dialog(pilot, "ProfileDialog")
         is_german(
             pilot,
@@ -157,9 +153,8 @@ async def test_profiles(size: tuple[int, int]) -> None:
         )
 
 
-@SIZES
-async def test_a_training(size: tuple[int, int]) -> None:
-    async with piloted_console(size=size) as pilot:
+async def test_a_training() -> None:
+    async with piloted_console(size=SMALL) as pilot:
         await pilot.tell(WAITS)
         await pilot.until(lambda: isinstance(pilot.console.dialog, BeginDialog))
         await pilot.settle()
@@ -186,16 +181,15 @@ async def test_a_training(size: tuple[int, int]) -> None:
         )
 
 
-@SIZES
-async def test_proposals(size: tuple[int, int]) -> None:
-    async with piloted_console(size=size) as pilot:
+async def test_proposals() -> None:
+    async with piloted_console(size=SMALL) as pilot:
         await told(pilot, ON)
         is_german(pilot, "nichts wird vorgeschlagen")
         await told(pilot, offered(1, "It is a whale.", approval=True))
         is_german(pilot, "mcp möchte:", "F9 ändern  ^S nein")
 
 
-@SIZES
+@pytest.mark.parametrize("size", [SMALL, (160, 50)])
 async def test_the_settings_of_a_robot(size: tuple[int, int]) -> None:
     first = pepper.welcome(pepper.settings_shown())
     async with piloted_console(first, size=size) as pilot:
@@ -205,16 +199,15 @@ async def test_the_settings_of_a_robot(size: tuple[int, int]) -> None:
         is_german(pilot, "Pfeiltasten dieser Konsole", "Drehen, mit alt", "1° bis 360°, um 5°")
 
 
-@SIZES
-async def test_a_replay(size: tuple[int, int]) -> None:
-    async with watching(size=size) as pilot:
+async def test_a_replay() -> None:
+    async with watching(size=SMALL) as pilot:
         await pilot.press("i")
-        about = pilot.drawn
+        about = pilot.drawn()
         for text in ("Dieses Protokoll", "Protokoll     ", "Beginn        ", "Versuch       "):
             assert text in about
         assert "Das Protokoll ist vollständig." in about
         await pilot.press("ctrl+q", "g")
-        go_to = in_dialog(pilot.console, pilot.drawn)
+        go_to = in_dialog(pilot.console, pilot.drawn())
         assert "Gehe zu" in go_to
         assert "12:34, oder ein paar Buchstaben von Marke" in go_to
         assert "Enter geht dorthin · Pfeile wählen · ctrl+q schließt" in go_to

@@ -12,15 +12,13 @@ from typing import Any
 import msgspec
 import pytest
 from textual.events import Key
-from textual.keys import _character_to_key, key_to_character
-from textual.pilot import Pilot
+from textual.keys import key_to_character
 from textual.widgets import OptionList
 
 from tests.console import engagement_scene
-from tests.console.piloting import screen_text, work_through
+from tests.console.piloting import ConsolePilot
 from tests.console.scripted_feed import ScriptedFeed
 from tests.replay.logs import PLAN, SECOND, START, KeptSamples, recording_of, stamped, story
-from woz_tui.console.drawing.cells import Cells
 from woz_tui.console.drawing.glyphs import ASCII, UNICODE
 from woz_tui.console.drawing.theme import Appearance
 from woz_tui.console.link.message_feed import OnLost, OnMessages
@@ -60,23 +58,8 @@ class StillReplay(ScriptedFeed):
 
 
 @dataclass
-class ReplayPilot:
-    console: ReplayConsole
+class ReplayPilot(ConsolePilot):
     feed: StillReplay
-    pilot: Pilot[str]
-    clock: ManualClock
-
-    async def settle(self) -> None:
-        for _ in range(3):
-            await work_through(self.pilot)
-
-    async def press(self, *keys: str) -> None:
-        for key in keys:
-            name = _character_to_key(key) if len(key) == 1 else key
-            self.console.post_message(Key(name, key_to_character(name)))
-            await self.settle()
-        self.console.paint()
-        await self.settle()
 
     async def pass_time(self, seconds: float) -> None:
         self.clock.advance(seconds)
@@ -84,13 +67,6 @@ class ReplayPilot:
         await self.settle()
         self.console.paint()
         await self.settle()
-
-    def text(self, name: str) -> str:
-        return self.console.screen_stack[0].query_one(name, Cells).text
-
-    @property
-    def drawn(self) -> str:
-        return screen_text(self.console)
 
     @property
     def t(self) -> int:
@@ -311,7 +287,7 @@ async def test_going_to_a_place_that_is_found_by_its_letters() -> None:
     async with watching(ReplayStart(paused=True)) as pilot:
         await pilot.press("g")
         assert all(
-            word in pilot.drawn for word in ("smile", "Go too late", "stop by key", "trial 2")
+            word in pilot.drawn() for word in ("smile", "Go too late", "stop by key", "trial 2")
         )
         await pilot.press(*"back")
         found = pilot.console.screen.query_one("#found", OptionList)
@@ -330,11 +306,11 @@ async def test_the_engagement_model_of_a_replay_is_told_in_words_and_not_taken_i
     recording = recording_of(sorted(lines, key=lambda each: each.t))
     async with watching(ReplayStart(at_us=9 * SECOND, paused=True), recording=recording) as pilot:
         await pilot.press("g", *"known")
-        assert "engaged, known" in pilot.drawn
-        assert "EngagedWithKnown" not in pilot.drawn
+        assert "engaged, known" in pilot.drawn()
+        assert "EngagedWithKnown" not in pilot.drawn()
         await pilot.press("ctrl+q", "=", "tab")
-        assert "[engaged, known]" in pilot.drawn
-        assert "by hand" not in pilot.drawn.casefold()
+        assert "[engaged, known]" in pilot.drawn()
+        assert "by hand" not in pilot.drawn().casefold()
 
 
 async def test_the_list_of_places_begins_with_the_next_one() -> None:
@@ -355,9 +331,9 @@ async def test_help_shows_the_keys_of_the_replay() -> None:
     async with watching(size=(100, 60)) as pilot:
         await pilot.press("?")
         for part in ("stand still, go on", "5 s back", "twice the speed", "Hello"):
-            assert part in pilot.drawn
-        assert "drive forward" not in pilot.drawn
-        assert "would do" not in pilot.drawn
+            assert part in pilot.drawn()
+        assert "drive forward" not in pilot.drawn()
+        assert "would do" not in pilot.drawn()
 
 
 async def test_what_is_missing_is_in_the_header_and_can_be_read() -> None:
@@ -366,7 +342,7 @@ async def test_what_is_missing_is_in_the_header_and_can_be_read() -> None:
         assert "This log: 3 damaged line(s)" in pilot.text("EventList")
         await pilot.press("i")
         for part in ("3 damaged line(s) left out", "guide.yaml", "W2", "x_S01.jsonl"):
-            assert part in pilot.drawn
+            assert part in pilot.drawn()
 
 
 async def test_idle_time_that_was_cut_is_shown() -> None:
@@ -388,15 +364,15 @@ async def test_a_code_is_typed_while_the_replay_stands_still_and_chosen_the_next
     coding = Coding(tmp_path / "x.coding.jsonl", "K1", START)
     recording = Recording(story(), KeptSamples(()), coded=True)
     async with watching(ReplayStart(at_us=4 * SECOND), recording=recording, coding=coding) as pilot:
-        assert "CODER K1" in pilot.drawn
-        assert "hidden" in pilot.drawn
-        assert "warm" not in pilot.drawn
+        assert "CODER K1" in pilot.drawn()
+        assert "hidden" in pilot.drawn()
+        assert "warm" not in pilot.drawn()
         await pilot.press("m")
         await pilot.pass_time(3)
         assert pilot.t == 4 * SECOND
         await pilot.press(*"smiles", "enter")
         assert [(code.t, code.text) for code in coding.codes] == [(4 * SECOND, "smiles")]
-        assert "Code of K1" in pilot.drawn
+        assert "Code of K1" in pilot.drawn()
         await pilot.pass_time(2)
         await pilot.press("m", "enter")
         assert [code.text for code in coding.codes] == ["smiles", "smiles"]
@@ -459,10 +435,10 @@ async def test_a_note_that_a_full_disk_did_not_take_is_there_again(tmp_path: Pat
         await pilot.press("n", *"odd", "enter")
         assert "No space left" in pilot.text("StopBar")
         await pilot.press("n")
-        assert "odd" in pilot.drawn
+        assert "odd" in pilot.drawn()
 
 
 async def test_without_a_coder_the_keys_say_how_to_begin() -> None:
     async with watching() as pilot:
         await pilot.press("x")
-        assert "--coder" in pilot.drawn
+        assert "--coder" in pilot.drawn()

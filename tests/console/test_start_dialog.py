@@ -2,24 +2,11 @@
 
 from __future__ import annotations
 
-from textual.widgets import Input
-
 from tests.console import scenes
-from tests.console.dialogs import open_dialog
-from tests.console.piloting import ConsolePilot, piloted_console
+from tests.console.dialogs import named, open_dialog
+from tests.console.piloting import piloted_console
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
-
-
-async def named(pilot: ConsolePilot, code: str = "P08") -> None:
-    """Open the dialog and write another code."""
-    await open_dialog(pilot, "StartDialog")
-    field = pilot.console.screen.query_one("#participant", Input)
-    field.value = ""
-    await pilot.type(code)
-    await pilot.until(lambda: field.value == code)
-    for _ in range(5):  # the question, its answer, the fields that it fills in, their places
-        await pilot.press()
 
 
 async def test_it_says_who_plays_and_how_another_wizard_says_so() -> None:

@@ -82,6 +82,19 @@ class HandsRig:
         return [what for what, _, _ in self.new_requests() if what in ("cancel", "halt")]
 
 
+async def with_hands(
+    driver: HandsPanel, session: Session, scene: Callable[[HandsRig], Awaitable[None]]
+) -> None:
+    """Play a scene with a device that is at rest."""
+    await driver.open()
+    rig = HandsRig(driver, session)
+    rig.hold()
+    try:
+        await scene(rig)
+    finally:
+        await driver.close()
+
+
 def play(scene: Callable[[HandsRig], Awaitable[None]], **settings: Any) -> None:
     """Play a scene in virtual time."""
 
@@ -89,14 +102,7 @@ def play(scene: Callable[[HandsRig], Awaitable[None]], **settings: Any) -> None:
         session = Session(LoopClock(asyncio.get_running_loop()))
         hands_settings = HandsSettings(**{"controls": CONTROLS, **settings})
         assert hands_settings.problems() == []
-        driver = HandsPanel("pad", hands_settings, session)
-        await driver.open()
-        rig = HandsRig(driver, session)
-        rig.hold()
-        try:
-            await scene(rig)
-        finally:
-            await driver.close()
+        await with_hands(HandsPanel("pad", hands_settings, session), session, scene)
 
     run_virtual(go())
 

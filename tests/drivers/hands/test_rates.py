@@ -11,7 +11,7 @@ import pytest
 from woz_drivers.hands import HandsPanel
 from woz_drivers.hands.settings import HandControl, HandsSettings
 
-from tests.drivers.hands.test_hands_driver import HandsRig, Session
+from tests.drivers.hands.test_hands_driver import HandsRig, Session, with_hands
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.drivers.contract import HandInput, Scope
 from woz_tui.motion.body_feeds import STATE, BodyState
@@ -35,13 +35,7 @@ def play(scene: Callable[[HandsRig], Awaitable[None]], stands: BodyState | None 
         driver = HandsPanel("mouse", settings, session)
         if stands is not None:
             session.feed(STATE, of="body").put(stands)
-        await driver.open()
-        rig = HandsRig(driver, session)
-        rig.hold()
-        try:
-            await scene(rig)
-        finally:
-            await driver.close()
+        await with_hands(driver, session, scene)
 
     run_virtual(go())
 

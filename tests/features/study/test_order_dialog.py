@@ -7,7 +7,7 @@ import pytest
 from textual.widgets import Input
 
 from tests.console import scenes, study_scene
-from tests.console.dialogs import open_dialog
+from tests.console.dialogs import named, open_dialog
 from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.console.screens.lost import LostDialog
 from woz_tui.console.screens.start import StartDialog
@@ -32,17 +32,6 @@ def propose(pilot: ConsolePilot, **other: m.Json) -> None:
     pilot.feed.answers[AskProposal] = lambda asked, ref: r.Reply(
         ref=ref, ok=True, data={**DATA, **other}
     )
-
-
-async def named(pilot: ConsolePilot, code: str = "P08") -> None:
-    """Open the dialog and write another code."""
-    await open_dialog(pilot, "StartDialog")
-    field = pilot.console.screen.query_one("#participant", Input)
-    field.value = ""
-    await pilot.type(code)
-    await pilot.until(lambda: field.value == code)
-    for _ in range(5):  # the question, its answer, the fields that it fills in, their places
-        await pilot.press()
 
 
 REFUSED = r.Reply(ref=0, ok=False, reason="'P1' is no code", hint="it must look like P01")

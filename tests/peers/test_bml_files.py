@@ -17,9 +17,10 @@ from xml.etree import ElementTree as Xml
 
 import pytest
 
+from tests.fakes.ports import free_port
 from tests.host.rig import served_session
 from tests.peers.places import place
-from tests.peers.test_stomp_broker import Broker, free_ports
+from tests.peers.test_stomp_broker import PORTS, Broker
 from woz_tui.bridge.stomp_connection import StompConnection, StompPlace, connect_stomp
 from woz_tui.client import connect
 from woz_tui.config.experiment import Experiment
@@ -260,7 +261,7 @@ CASES = (
 
 
 async def test_the_testers_blocks_are_played_and_told_as_it_asks(tmp_path: Path) -> None:
-    broker = Broker("activemq", tmp_path, StompPlace("127.0.0.1", free_ports()))
+    broker = Broker("activemq", tmp_path, StompPlace("127.0.0.1", free_port(PORTS)))
     try:
         broker.start()
         found = await asyncio.gather(

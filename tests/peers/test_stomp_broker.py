@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from tests.bridge.rig import CATALOGUE, GENERAL, PREFIX, SEQUENCE, eyepi
+from tests.fakes.ports import free_port
 from tests.features.blocks.test_stomp_planner import BLOCK, TOPICS
 from tests.host.rig import served_session
 from tests.peers.places import place
@@ -35,6 +36,8 @@ from woz_tui.testing import until
 pytestmark = pytest.mark.peers
 
 PATIENCE_S = 90.0
+#: Ports in a row that a broker may take, see `.ci/peers`.
+PORTS = 4
 
 
 @dataclass
@@ -80,25 +83,13 @@ class Broker:
             self.process.wait(PATIENCE_S)
 
 
-def free_ports() -> int:
-    """The first of four ports in a row that nobody listens on now."""
-    while True:
-        with contextlib.ExitStack() as probes, contextlib.suppress(OSError, OverflowError):
-            first = probes.enter_context(socket.socket())
-            first.bind(("127.0.0.1", 0))
-            port = int(first.getsockname()[1])
-            for more in range(1, 4):
-                probes.enter_context(socket.socket()).bind(("127.0.0.1", port + more))
-            return port
-
-
 @pytest.fixture(scope="module", params=["activemq", "rabbitmq"])
 def broker(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[Broker]:
     name = request.param
     virtual_host = "/" if name == "rabbitmq" else ""
-    there = StompPlace("127.0.0.1", free_ports(), "planner", "secret", virtual_host)
+    there = StompPlace("127.0.0.1", free_port(PORTS), "planner", "secret", virtual_host)
     running = Broker(name, tmp_path_factory.mktemp(name), there)
     try:
         running.start()

@@ -6,12 +6,12 @@ import asyncio
 import contextlib
 import os
 import signal
-import socket
 from pathlib import Path
 
 import aiohttp
 import psutil
 
+from tests.fakes.ports import free_port
 from tests.peers.places import place
 
 BACKENDS = {"mockup": "--mockup-sim", "mujoco": "--sim"}
@@ -27,9 +27,7 @@ class VendorsDaemon:
     ) -> None:
         self._options = (BACKENDS[backend], "--headless", *options)
         self._folder = folder
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            self._port = free.getsockname()[1]
+        self._port = free_port()
         self._process: asyncio.subprocess.Process | None = None
 
     @property

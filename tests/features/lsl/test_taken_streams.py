@@ -26,6 +26,7 @@ form = getattr(pylsl, form)
 outlet = pylsl.StreamOutlet(pylsl.StreamInfo(name, kind, 1, 0, form, "its-source"))
 print("there", flush=True)
 for line in sys.stdin:
+    outlet.wait_for_consumers(60)  # what comes before somebody takes it is lost
     stamp = pylsl.local_clock()
     value = line.strip()
     outlet.push_sample([value if form == pylsl.cf_string else float(value)], stamp)
@@ -37,6 +38,7 @@ import sys, pylsl
 outlet = pylsl.StreamOutlet(pylsl.StreamInfo("eyes", "Markers", 1, 0, pylsl.cf_string, "a-flood"))
 print("there", flush=True)
 for line in sys.stdin:
+    outlet.wait_for_consumers(60)
     for number in range(1000):
         outlet.push_sample(["\\x1b[2J" + "x" * 5000])
 """

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import asyncio
 from pathlib import Path
 
-import psutil
 import pytest
 
-from tests.config.reading import HEAD, HELLO, errors, panel, read_experiment
+from tests.config.reading import HELLO, errors, panel, read_experiment
+from tests.features.companions import is_kept_running, launched, next_of
 from tests.features.page import rig as page_rig
 from tests.features.page.test_page_command import opened_page
 from tests.host.rig import served_session
-from woz_tui.client import WozClient, connect
+from woz_tui.client import connect
 from woz_tui.config.reload_changes import compare
-from woz_tui.console.link.host_start import Launch, RobotProcess
+from woz_tui.console.link.host_start import RobotProcess
 from woz_tui.features.page import answer_page, watch_view
 from woz_tui.features.page.control import open_pages
 from woz_tui.features.page.doctor import CHECKS
@@ -115,40 +114,12 @@ async def test_what_fails_is_told_and_the_pages_go_on(
 def host(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RobotProcess:
     """The session of a file with pages."""
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-    file = tmp_path / "study.yaml"
-    file.write_text(panel(HELLO, head=f"{HEAD}page: {{at: '127.0.0.1:0'}}\n"))
-    return Launch([str(file), "--recordings", str(tmp_path / "recordings")]).wait()
-
-
-async def opened(woz: WozClient, *, again: bool = False) -> PageOpened:
-    """Once pages are open; `again`: after they were gone."""
-    gone = not again
-    async with asyncio.timeout(60):
-        async for message in woz.messages(PageClosed, PageOpened, held=not again):
-            gone = gone or isinstance(message, PageClosed)
-            if gone and isinstance(message, PageOpened):
-                return message
-    raise AssertionError
-
-
-def server(host: RobotProcess) -> psutil.Process:
-    """The process of `woz page`."""
-    children = psutil.Process(host.pid).children()
-    (found,) = [each for each in children if "page" in each.cmdline()]
-    return found
+    return launched(tmp_path, "page: {at: '127.0.0.1:0'}")
 
 
 @pytest.mark.real_clock
 async def test_pages_run_with_the_session_and_end_with_it(host: RobotProcess) -> None:
-    async with connect(host.socket) as woz:
-        await opened(woz)
-        back = asyncio.create_task(opened(woz, again=True))
-        await asyncio.sleep(0)  # it listens
-        server(host).kill()
-        await back
-        last = server(host)
-        await woz.request(AskEnd())
-    await asyncio.to_thread(last.wait, 20)
+    await is_kept_running(host, "page", PageOpened, PageClosed)
     assert open_pages() == [], "nothing is left of them"
 
 
@@ -158,12 +129,12 @@ async def test_a_file_that_is_read_again_begins_pages_anew(
 ) -> None:
     file = tmp_path / "study.yaml"
     async with connect(host.socket) as woz:
-        assert (await opened(woz)).roles == ["watch", "answer"]
-        back = asyncio.create_task(opened(woz, again=True))
-        await asyncio.sleep(0)  # it listens
+        messages = woz.messages(PageOpened, PageClosed, held=True)
+        assert (await next_of(messages, PageOpened)).roles == ["watch", "answer"]
         file.write_text(file.read_text().replace("page: {", "page: {for: [answer], "))
         await woz.request(AskReload())
-        again = await back
+        await next_of(messages, PageClosed)
+        again = await next_of(messages, PageOpened)
         assert (again.roles, again.class_code) == (["answer"], "")
         await woz.request(AskEnd())
 

@@ -112,6 +112,16 @@ async def test_it_works_in_another_process_which_ends_with_it(tmp_path: Path) ->
         os.kill(int(str(done["pid"])), 0)
 
 
+async def test_it_is_connected_as_soon_as_it_is_heard(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slow = "from woz_tui.network import driver_server\ndriver_server.HERE_S = 3600.0\n"
+    (tmp_path / "sitecustomize.py").write_text(slow)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    async with working(tmp_path) as arm:
+        await arm.healthy(Health.CONNECTED)
+
+
 async def test_files_are_written_where_those_of_the_session_are(tmp_path: Path) -> None:
     async with working(tmp_path) as arm:
         await arm.driver.perform(PlainJob("write"))

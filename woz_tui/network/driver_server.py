@@ -190,6 +190,12 @@ class ServedDriver:
     def attach(self, line: DriverLine) -> None:
         self._line = line
         line.receive(self._keys[0], self._receive)
+        line.watch_presence(self._keys[1], self._on_hearer)
+
+    def _on_hearer(self, there: bool) -> None:
+        """A session beside it begins to hear it, and would wait for the next round."""
+        if there:
+            self._say_here()
 
     async def end_stopped(self) -> None:
         """Stop, and leave the hardware as it is then: nobody is there to see what it does."""

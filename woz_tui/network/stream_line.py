@@ -302,6 +302,8 @@ class StreamLine(DriverLine):
                         receive(payload)
             case Sort.HERE | Sort.GONE:
                 self._on_presence(key, sort is Sort.HERE)
+            case Sort.RECEIVES | Sort.RECEIVES_NOT:  # who waits for it is there
+                self._on_presence(key, sort is Sort.RECEIVES)
 
     def _on_presence(self, key: str, there: bool) -> None:
         if there:

@@ -33,11 +33,16 @@ class Say(ModalScreen[None]):
     def __init__(self, app: SmallApp) -> None:
         super().__init__()
         self._small = app
+        self._changes = 0
 
     def compose(self) -> ComposeResult:
         yield Input(id="say", placeholder="utterance")
 
+    def on_input_changed(self, event: Input.Changed) -> None:
+        self._changes += 1
+
     def on_input_submitted(self, event: Input.Submitted) -> None:
+        self._small.tell(f"pieces:{self._changes} ")
         self._small.feed.ask(AskNote(text=f"said {event.value}"))
         self._small.close_dialog()
 
@@ -59,9 +64,9 @@ class SmallApp(App[None]):
 
     def on_mount(self) -> None:
         self.keyboard.on_pressed = self._pressed
-        self.keyboard.on_stale = lambda chord, action, ref: self._tell(f"stale:{chord}")
-        self.keyboard.on_prefix = lambda prefix: self._tell(f"prefix:{prefix}")
-        self.feed.start(self._heard, lambda why: self._tell(f"lost:{why}"))
+        self.keyboard.on_stale = lambda chord, action, ref: self.tell(f"stale:{chord}")
+        self.keyboard.on_prefix = lambda prefix: self.tell(f"prefix:{prefix}")
+        self.feed.start(self._heard, lambda why: self.tell(f"lost:{why}"))
 
     def terminal_found(self, terminal: Terminal) -> None:
         self._show(f"terminal:{terminal.name}")
@@ -74,15 +79,15 @@ class SmallApp(App[None]):
                 actions = [action for panel in message.panels for action in panel.actions]
                 self.keyboard.bind({action.key: action.name for action in actions})
                 self.keyboard.verbs = message.verbs
-                self._tell("ready")
+                self.tell("ready")
             elif isinstance(message, Marker):
                 self.call_later(self._obey, message.text)
 
-    def _tell(self, text: str) -> None:
+    def tell(self, text: str) -> None:
         self.call_later(self._show, text)
 
     def _pressed(self, chord: str, action: str, ref: int) -> None:
-        self._tell(f"pressed:{chord}")
+        self.tell(f"pressed:{chord}")
         if not action and chord in ("escape", "ctrl+c"):
             self.call_later(self.close_dialog)
 
@@ -116,7 +121,7 @@ class SmallApp(App[None]):
         if key is not None and not event.is_forwarded and len(self.screen_stack) == 1:
             event.stop()
             if key == "slash":
-                self.keyboard.free = False
+                self.keyboard.free, self.keyboard.typed_into = False, True
                 self.push_screen(Say(self))
             elif not self.keyboard.press(event.character or key):
                 self._show(f"screen:{key}")

@@ -6,7 +6,14 @@ import pytest
 
 from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS, by_key
-from woz_tui.console.input.keyboard import EARLY_LIMIT, SEQUENCE_S, ArrowSizes, Keyboard
+from woz_tui.console.input.keyboard import (
+    EARLY_LIMIT,
+    LATE_AT_ONCE,
+    LATE_EVERY_S,
+    SEQUENCE_S,
+    ArrowSizes,
+    Keyboard,
+)
 from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.protocol.requests import (
     AskAction,
@@ -242,6 +249,28 @@ def test_other_stale_keys_are_listed_and_do_nothing(rig: Rig, chord: str) -> Non
     assert rig.feed.asked == []
     assert [press[0] for press in rig.stale] == [chord]
     assert not rig.prefixes
+
+
+def test_of_a_flood_of_late_keys_a_few_are_told(rig: Rig) -> None:
+    for _ in range(1000):
+        assert rig.keyboard.arrive("h", stale=True)
+        assert rig.keyboard.arrive("q", stale=True)
+    assert len(rig.stale) == LATE_AT_ONCE
+    assert len(rig.feed.asked) == LATE_AT_ONCE / 2
+
+    rig.keyboard.stop("escape")
+    assert rig.feed.asked[-1] == AskStop(source="key")
+    rig.clock.advance(LATE_EVERY_S)
+    assert rig.keyboard.arrive("h", stale=True)
+    assert len(rig.stale) == LATE_AT_ONCE + 1
+
+
+def test_a_flood_of_late_keys_that_a_dialog_does_not_take_is_told_a_few_times(rig: Rig) -> None:
+    rig.keyboard.takes_late = lambda chord: False
+    rig.keyboard.free = False
+    for _ in range(1000):
+        assert rig.keyboard.arrive("h", stale=True)
+    assert len(rig.stale) == LATE_AT_ONCE
 
 
 # -- order with the screen ------------------------------------------------------------------------

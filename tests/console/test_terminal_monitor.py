@@ -9,6 +9,7 @@ from woz_tui.console.input.terminal_monitor import (
     DEAD_S,
     EVERY_S,
     OTHER_QUESTION,
+    PAUSE_S,
     QUESTION,
     TerminalMonitor,
 )
@@ -316,6 +317,16 @@ def test_a_key_held_down_through_a_freeze_is_stale(rig: Rig) -> None:
 
 def test_text_pasted_without_marks_is_stale_at_any_time(rig: Rig) -> None:
     assert rig.line.arrived(list("hello world"))
+
+
+def test_the_rest_of_such_a_text_is_stale_however_short(rig: Rig) -> None:
+    assert rig.line.arrived(list("hello wor"))
+    rig.wait(0.1)
+    assert rig.line.arrived(["l", "d"])
+    rig.line.arrived([])
+    assert rig.line.arrived(["!"])
+    rig.wait(PAUSE_S + 0.1)
+    assert not rig.line.arrived(["a"])
 
 
 @pytest.mark.parametrize("asleep", [False, True])

@@ -13,7 +13,7 @@ from tests.fakes.host import FakeHost, stops
 from tests.fakes.terminal import FakeTerminal
 from woz_tui.console.drawing.cells import clean_paste
 from woz_tui.protocol.messages import Marker
-from woz_tui.protocol.requests import AskAction, AskMarker, AskNote, AskStop
+from woz_tui.protocol.requests import AskAction, AskMarker, AskNote, AskStop, Beat
 
 pytestmark = [pytest.mark.real_clock, pytest.mark.safety]
 
@@ -141,6 +141,35 @@ def test_a_terminal_without_answers_works_as_well(host: FakeHost) -> None:
         host.wait(AskStop)
 
 
+def test_in_a_flood_of_keys_few_are_asked_for_and_none_delays_the_stop_behind_it(
+    host: FakeHost, terminal: FakeTerminal
+) -> None:
+    """The reading thread has to go through all of them first; the screen must not, afterwards."""
+    terminal.send(b"abcdefghijklmnopqrstuvwxyz \t" * 11_000 + b"\x1b")
+    host.wait(AskStop)
+    terminal.wait_text("pressed:escape")
+
+    asked = host.all(AskAction)
+    assert asked and all(each.stale for each in asked)
+    assert len(asked) < 100
+
+
+def test_a_flood_of_keys_goes_into_a_field_in_large_pieces(
+    host: FakeHost, terminal: FakeTerminal
+) -> None:
+    terminal.send(b"/")
+    terminal.wait_text("utterance")
+    text = "two words " * 500
+    terminal.send(f"{text}?")
+    terminal.wait_for(lambda screen: "?" in screen)
+    terminal.send("\x7f\r")
+
+    assert host.wait(AskNote).text == f"said {text}"
+    terminal.wait_text("pieces:")
+    pieces = int(terminal.text.split("pieces:")[1].split()[0])
+    assert pieces < 100, "each changes the field, and draws it"
+
+
 def test_a_paste_plays_nothing(host: FakeHost, terminal: FakeTerminal) -> None:
     terminal.send(b"\x1b[200~ab\x1bcd\x1b[201~")
     terminal.send(b".")
@@ -198,6 +227,7 @@ def test_a_burst_that_nobody_typed_is_listed_and_not_played(
 
     assert all(action.stale for action in host.all(AskAction))
     terminal.wait_text("stale:0")
+    host.wait(Beat, len(host.all(Beat)) + 2)  # half a second: what comes now is not its rest
     terminal.send(b"z")
     assert not host.wait(AskAction, 11).stale
 

@@ -743,6 +743,7 @@ class Console(ScreenApp):
         self.keyboard.kept = frozenset() if top is None else top.own_keys
         if top is not None:
             self.keyboard.takes_late = top.takes_late
+            self.keyboard.typed_into = top.typed_into
         self.keyboard.free = top is None or top.plays
 
 

@@ -18,7 +18,8 @@ import sys
 import termios
 import threading
 import time
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Protocol, cast
@@ -54,6 +55,8 @@ TICK_S = 0.25
 RESTORE_S = 0.3
 #: Reads in which a last look is taken at what was typed: more than a person can have typed.
 LAST_READS = 16
+#: Presses of the same key in one read, as a frozen line sends them to a field.
+EDITS = 64
 #: Which keyboard flags are set (kitty), and who are you: every terminal answers the second.
 _WHO = "\x1b[?u\x1b[c"
 #: Keyboard flags of kitty's protocol: keys told apart as Textual has asked for, with and without
@@ -315,13 +318,13 @@ class WizardDriver(LinuxDriver):
             self._in_app(self._app.notify, text, severity="error", markup=False)
 
     def _carry_out(self, tokens: list[Token]) -> None:
-        for token in tokens:
-            if isinstance(token, StopToken):
-                self._keyboard.stop(token.source)
-        if any(_is_alt(*pair) for pair in pairwise(tokens)):
+        stops = [token.source for token in tokens if isinstance(token, StopToken)]
+        for source in stops:
+            self._keyboard.stop(source)
+        if stops and any(_is_alt(*pair) for pair in pairwise(tokens)):
             self._keyboard.on_alt()
         self._line.arrived([token.chord for token in tokens if isinstance(token, Key)])
-        for token in tokens:
+        for token in self._fewer(tokens) if self._line.untyped else tokens:
             match token:
                 case Key():
                     self._key(token)
@@ -335,6 +338,28 @@ class WizardDriver(LinuxDriver):
                     self._line.answered()
                 case TerminalReply():
                     self._reply(token)
+
+    def _fewer(self, tokens: list[Token]) -> Iterator[Token]:
+        """What a read comes to that has more keys than anybody types: a stop may stand behind many
+        such reads. A field gets the text in one piece, and of each other key the first ones count;
+        where keys play, which these do not, the first.
+        """
+        most = 1 if self._keyboard.plays else EDITS
+        seen: Counter[str] = Counter()
+        text = ""
+        for token in tokens:
+            chord = token.chord if isinstance(token, Key) else ""
+            if letter := self._keyboard.text_of(chord):
+                text += letter
+                continue
+            if text:
+                yield Paste(text, b"")
+                text = ""
+            seen[chord] += 1
+            if not chord or seen[chord] <= most:
+                yield token
+        if text:
+            yield Paste(text, b"")
 
     def _key(self, key: Key) -> None:
         at_us = self._line.now_us  # first: who stands still in between makes the key older

@@ -38,8 +38,9 @@ UNFINISHED_S = 1.0
 #: A paste in which nothing came for so long stands still; later it counts as over.
 PASTE_STILL_S = 0.2
 PASTE_OVER_S = 2.0
-#: A longer paste is cut off; nobody wants a book in an utterance. In bytes.
-PASTE_LIMIT = 64 * 1024
+#: A longer paste is cut off: nobody wants a book in an utterance, and each painting of a field
+#: takes longer the more stands in it. In bytes.
+PASTE_LIMIT = 8 * 1024
 #: No terminal sends longer sequences.
 SEQUENCE_LIMIT = 2048
 
@@ -66,6 +67,18 @@ _CONTROLS = {
     0x20: "space",
     0x7F: "backspace",
 }
+
+
+def _key_of(byte: int) -> Key | None:
+    """The key that a byte is by itself, where no sequence has begun."""
+    raw = bytes((byte,))
+    if byte in (_ESC, _CTRL_C) or byte >= 0x80:
+        return None
+    control = f"ctrl+{chr(byte + 0x60)}" if byte < 0x20 else chr(byte)
+    return Key(_CONTROLS.get(byte, control), raw, raw)
+
+
+_KEYS = tuple(map(_key_of, range(0x100)))
 
 
 class _In(Enum):
@@ -120,7 +133,11 @@ class Scanner:
         if (self._still or self._doubtful) and data:
             data = self._wake_paste(data)
         for byte in data:
-            self._scan(byte)
+            key = _KEYS[byte] if self._state is _In.GROUND else None
+            if key is not None:  # nearly all of them, where a flood of keys is in front of a stop
+                self._tokens.append(key)
+            else:
+                self._scan(byte)
         return self._give()
 
     def expire(self) -> list[Token]:
@@ -173,21 +190,16 @@ class Scanner:
     # -- single bytes and characters ---------------------------------------------------------
 
     def _ground(self, byte: int) -> None:
-        raw = bytes((byte,))
-        if byte == _ESC:
+        if (key := _KEYS[byte]) is not None:
+            self._tokens.append(key)
+        elif byte == _ESC:
             self._begin(_In.ESCAPE, byte)
         elif byte == _CTRL_C:
-            self._tokens.append(StopToken("ctrl+c", raw))
-        elif byte in _CONTROLS:
-            self._tokens.append(Key(_CONTROLS[byte], raw, raw))
-        elif byte < 0x20:
-            self._tokens.append(Key(f"ctrl+{chr(byte + 0x60)}", raw, raw))
-        elif byte < 0x80:
-            self._tokens.append(Key(chr(byte), raw, raw))
+            self._tokens.append(StopToken("ctrl+c", b"\x03"))
         elif 0xC2 <= byte <= 0xF4:
             self._begin(_In.CHARACTER, byte)
         else:
-            self._tokens.append(Raw(raw))
+            self._tokens.append(Raw(bytes((byte,))))
 
     def _character(self, byte: int) -> None:
         """UTF-8: a byte that does not continue the character is looked at afresh."""

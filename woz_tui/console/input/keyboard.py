@@ -23,11 +23,15 @@ from woz_tui.protocol.requests import (
     Request,
 )
 from woz_tui.system.clock import Clock, RealClock
+from woz_tui.system.rate_limit import RateLimit
 
 #: Microseconds in which a key that has just counted may come again because it is held: a terminal
 #: says of no key that it was let go. Longer than keyboards wait before the first repeat (250 to
 #: 660 ms; between the others 25 to 100 ms), shorter than it takes to decide on another press.
 HELD_US = 750_000
+#: Late keys that are told and logged: so many at once, then one in so many seconds. The rest of a
+#: flood does nothing, or it would keep screen and robot process busy for longer than it took.
+LATE_AT_ONCE, LATE_EVERY_S = 16, 0.5
 #: The second key of a sequence must follow within this time, in seconds.
 SEQUENCE_S = 1.0
 #: Letters that are kept of what is typed before there is a session.
@@ -141,6 +145,9 @@ class Keyboard:
         #: Whether a key that came late, in a burst, still counts in what has the keyboard. Called
         #: from the thread that reads keys.
         self.takes_late: Callable[[str], bool] = _takes_any
+        #: Whether what has the keyboard is a text field.
+        self.typed_into = False
+        self._tells_late = RateLimit(LATE_EVERY_S, (LATE_AT_ONCE - 1) * LATE_EVERY_S)
         #: Keys that belong to what is drawn over the screen while the rest plays the robot.
         self.kept: frozenset[str] = frozenset()
         #: The stop has come with a key right behind it, as alt and that key do.
@@ -250,6 +257,8 @@ class Keyboard:
             return True
         if not self._free or self._behind:
             return self._arrive_elsewhere(chord, stale)
+        if stale and not self._tells_late(self._clock.now_us() / 1_000_000):
+            return True
         if chord in self.kept:
             self._note(chord, free=True)
         elif self._press(chord, age_us, stale, at_us):
@@ -278,9 +287,21 @@ class Keyboard:
             rest = self._note(chord, free=False) and was_free
             self._last_free = rest
         if stale and not self._free and not self.takes_late(chord):
-            self.on_stale(chord, "", 0)
+            if self._tells_late(self._clock.now_us() / 1_000_000):
+                self.on_stale(chord, "", 0)
             return True
         return rest
+
+    @property
+    def plays(self) -> bool:
+        """Whether keys play now: there is a session, and nothing else has or may get them."""
+        return self._free and not self._behind and self._early is None
+
+    def text_of(self, chord: str) -> str:
+        """What a late key adds to the text field that has the keyboard; empty: no letter."""
+        letter = " " if chord == "space" else chord
+        typed = self.typed_into and not self._free and len(letter) == 1
+        return letter if typed and self.takes_late(chord) else ""
 
     def leave_to_screen(self, chord: str) -> Callable[[], None]:
         """`chord` goes to the screen; call the result when the screen has handled it."""

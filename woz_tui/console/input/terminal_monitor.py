@@ -11,6 +11,8 @@ that was under way for long itself makes nothing fresh. A key is stale if it may
 `stale_after`; and, whatever the line says, if eight keys or more came in one read: text pasted
 into a terminal without paste marks.
 
+What follows such a text without a pause of 0.3 s is the rest of it, however few keys it has.
+
 A terminal that has never answered says nothing of the kind. Then a key is stale if this process
 itself stood still for longer (stopped, or the computer slept) while keys came, and so are those
 behind it, up to a pause of 0.3 s.
@@ -105,7 +107,7 @@ class TerminalMonitor:
             self._due_us += round(self._every_s * 1_000_000)
         self._keys_us = self._awake_us = asked.boot_us
         self._gap_us = 0
-        self._burst = self._untyped = False
+        self._burst = self._untyped = self._pasted = False
         self._away = False
         self._publish()
 
@@ -232,6 +234,9 @@ class TerminalMonitor:
         known = self._answers and not self._multiplexed
         self._untyped = _untyped(chords, not known and silence_us > self._stale_us)
         if chords:
+            text = len(chords) >= PASTED and len(set(chords)) > 1
+            self._pasted = text or (self._pasted and silence_us < PAUSE_S * 1_000_000)
+            self._untyped = self._untyped or self._pasted
             self._keys_us = boot
         self._judge(self._clock.now_us())
         return self.stale
@@ -247,6 +252,11 @@ class TerminalMonitor:
         if self._answers:
             return self._clock.boot_us() - self._since.boot_us
         return self._gap_us
+
+    @property
+    def untyped(self) -> bool:
+        """Whether the keys that came last are more than anybody types, or the rest of such."""
+        return self._untyped
 
     @property
     def stale(self) -> bool:

@@ -28,6 +28,7 @@ from textual.widgets import Input, Static
 from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean, wrap_row
 from woz_tui.console.drawing.partial_update import PartialScreen
+from woz_tui.console.input.byte_scanner import PASTE_LIMIT
 from woz_tui.console.input.keyboard import ConsoleKey
 from woz_tui.protocol.requests import Reply
 from woz_tui.protocol.sentence import Sentence
@@ -362,6 +363,7 @@ class EntryDialog(Dialog):
         yield Input(
             self.requests.drafts.get(self.draft, ""),
             placeholder=word(self.placeholder),
+            max_length=PASTE_LIMIT,
             select_on_focus=False,
             id="entry",
         )

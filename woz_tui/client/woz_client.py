@@ -343,6 +343,11 @@ class WozClient:
 
     # -- the rest of a session -------------------------------------------------------------------
 
+    @property
+    def path(self) -> Path:
+        """The session's socket."""
+        return Path(self._writer.get_extra_info("peername"))
+
     async def mark(self, text: str = "") -> None:
         """Put a marker into the log."""
         await self.request(self.marker(text))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import sys
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 from textual.pilot import Pilot
 
 from tests.cli.test_render import CALM
+from tests.fakes.terminal import FakeTerminal
 from tests.host.rig import served_session
 from tools import ROOT
 from woz_tui.cli import main
@@ -22,7 +24,7 @@ from woz_tui.features.move_editor.move_file import EditedFile
 from woz_tui.motion.keyframes import KeyframeMove
 from woz_tui.motion.move_files import read_move
 from woz_tui.motion.render_target import RenderTarget
-from woz_tui.protocol.messages import Command, Stopped
+from woz_tui.protocol.messages import Command, Stopped, StopPressed
 from woz_tui.system.clock import ManualClock
 
 Story = Callable[["EditorRig"], Awaitable[None]]
@@ -449,6 +451,27 @@ def test_an_edit_plays_on_the_body_of_a_session_under_its_stop(tmp_path: Path) -
             await served.until(lambda: len(served.of(Stopped)) == 2)
 
     asyncio.run(whole())
+
+
+@pytest.mark.safety
+@pytest.mark.real_clock
+async def test_escape_is_the_sessions_stop_whatever_the_editor_does(tmp_path: Path) -> None:
+    rig = EditorRig(tmp_path, WRITTEN)
+    file = tmp_path / "e.yaml"
+    file.write_text(EXPERIMENT, encoding="utf-8")
+    made = load(file, plugins.installed())
+    async with served_session(tmp_path, made=made, catalogue=plugins.installed()) as served:
+        module = "tests.features.move_editor.blocked_editor"
+        command = [sys.executable, "-m", module, str(rig.robot), str(rig.file)]
+        with FakeTerminal([*command, str(served.path), str(tmp_path)]) as terminal:
+            await served.until((tmp_path / "blocked").exists)
+            terminal.send(b"\x1b")
+            await served.published(lambda line: isinstance(line, StopPressed))
+            assert [line.source for line in served.of(StopPressed)] == ["key"]
+            (tmp_path / "go").touch()
+            await asyncio.to_thread(terminal.wait_text, "R releases it")
+            terminal.send(b"q")
+            assert await asyncio.to_thread(terminal.process.wait, 20) == 0
 
 
 def test_without_a_session_it_says_how_to_play_on_a_body(tmp_path: Path) -> None:

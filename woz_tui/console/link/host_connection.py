@@ -165,14 +165,12 @@ class HostConnection:
             if self._lost and not isinstance(request, AskStop | Beat):
                 return ref
             sent_us = (request.sent_us or self._clock.boot_us()) if self._stamps else 0
-            line = codec.encode(msgspec.structs.replace(request, ref=ref, sent_us=sent_us))
+            stamped = msgspec.structs.replace(request, ref=ref, sent_us=sent_us)
+            line = codec.encode(stamped)
             behind = bool(self._waiting) or self._socket is None
             self._send(line)
-        if behind and isinstance(request, AskStop):  # aside, without waiting for anything
-            with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX) as aside:
-                aside.setblocking(False)
-                aside.connect(str(self._path))
-                aside.send(line)
+        if behind and isinstance(stamped, AskStop):
+            sent_aside(self._path, stamped)
         return ref
 
     def close(self) -> None:
@@ -364,6 +362,18 @@ class HostConnection:
                 self.stale_after_s = message.settings.stale_after or STALE_S
                 self._lost = False
         self._on_messages(batch)
+
+
+def sent_aside(path: Path, stop: AskStop) -> bool:
+    """Whether a connection of its own has taken the stop, for which the host asks no hello; nothing
+    is waited for.
+    """
+    with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX) as aside:
+        aside.setblocking(False)
+        aside.connect(str(path))
+        line = codec.encode(stop)
+        return aside.send(line) == len(line)
+    return False
 
 
 def _refused(reply: Reply) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable, Mapping
+from contextvars import copy_context
 from functools import partial
 from pathlib import Path
 
@@ -13,10 +14,13 @@ from textual.app import App, ComposeResult
 from textual.driver import Driver
 from textual.screen import Screen
 
+from woz_tui.config.keys.terminals import STOPS
 from woz_tui.console.drawing.cells import Cells
 from woz_tui.console.drawing.glyphs import UNICODE, PaintFrame
 from woz_tui.console.drawing.partial_update import PartialScreen
 from woz_tui.console.drawing.theme import SIXTEEN, THEMES, Appearance
+from woz_tui.console.input.keyboard import Keyboard, OnPress
+from woz_tui.console.link.stop_line import StopLine
 from woz_tui.console.state.driver_outlines import body_outlines, outlines_of
 from woz_tui.drivers.background import BackgroundTasks
 from woz_tui.drivers.contract import RejectedError
@@ -83,7 +87,12 @@ class MoveEditorApp(App[None], inherit_bindings=False):
         #: The take that is made; whether it acts the row again.
         self.take: HandTake | None = None
         self._mimics = False
-        self._body = None if session is None else SessionBody(session, target.body, self._tell)
+        stop_line = StopLine()
+        #: Given to the terminal's driver: its thread sends the stop, whatever the screen does.
+        self.keyboard = Keyboard(stop_line, self._clock)
+        self._body = (
+            None if session is None else SessionBody(session, target.body, self._tell, stop_line)
+        )
         self._following: asyncio.Task[None] | None = None
         self._requests = BackgroundTasks("asking the session")
         self._screen = Cells(id="editor")
@@ -99,6 +108,8 @@ class MoveEditorApp(App[None], inherit_bindings=False):
 
     def on_mount(self) -> None:
         """Show it, and play in pictures."""
+        self.keyboard.on_pressed = self._in_loop(self._stop_pressed)
+        self.keyboard.on_stale = self._in_loop(self._late)
         self.set_interval(_PICTURE_S, self.look_now)
         if self._body is not None:
             self._following = asyncio.create_task(self._body.follow(), name="edit-move session")
@@ -108,6 +119,16 @@ class MoveEditorApp(App[None], inherit_bindings=False):
         """What plays on a body ends."""
         await self._requests.close(0.0)
         await end_tasks(self._following)
+
+    def _in_loop(self, call: Callable[[str, str, int], None]) -> OnPress:
+        """`call`, from any thread."""
+        loop, here = asyncio.get_running_loop(), copy_context()
+
+        def pressed(chord: str, action: str, ref: int) -> None:
+            with contextlib.suppress(RuntimeError):  # the loop has closed: nobody to tell
+                loop.call_soon_threadsafe(call, chord, action, ref, context=here)
+
+        return pressed
 
     def _tell(self, text: str) -> None:
         self._news = text
@@ -172,9 +193,8 @@ class MoveEditorApp(App[None], inherit_bindings=False):
         name = event.character if event.is_printable and event.character != " " else event.key
         self._news = ""
         leaving, self._leaving = self._leaving, False
-        if event.key == "escape":
-            self._stop()
-            self._stop_body()
+        if event.key in STOPS:
+            self.keyboard.stop(event.key)
         elif self.take is not None:
             self._perform(str(name))
         elif not self._type(str(name)):
@@ -281,10 +301,18 @@ class MoveEditorApp(App[None], inherit_bindings=False):
             # Sounds of a move are named from its file: from the root on there they are whole.
             self._requests.start(self._body.play(move_text(whole(self.edited.move), Path("/"))))
 
-    def _stop_body(self) -> None:
+    def _stop_pressed(self, chord: str, action: str, sent: int) -> None:
+        """A stop key, which has been sent to the session if it could be."""
+        self._news, self._leaving = "", False
+        self._stop()
         if self._body is not None:
             self._news = "stop"
-            self._requests.start(self._body.stop())
+            if not sent:
+                self._requests.start(self._body.stop())
+        self._shown_anew()
+
+    def _late(self, chord: str, action: str, sent: int) -> None:
+        self._tell(f"{chord} came too late, or with many keys at once: nothing is done by it")
 
     def _release(self) -> None:
         if self._body is not None:

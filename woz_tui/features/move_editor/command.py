@@ -48,8 +48,11 @@ def edit(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise RecordError("the editor needs a terminal; `woz render --keys` draws without one")
     from woz_tui.console.drawing.theme import choose_appearance  # noqa: PLC0415
+    from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
     from woz_tui.features.move_editor.app import MoveEditorApp  # noqa: PLC0415
 
     look = choose_appearance(os.environ, locale.getencoding())
-    MoveEditorApp(target, file, look=look, session=arguments.session).run()
+    MoveEditorApp(
+        target, file, look=look, driver_class=WizardDriver, session=arguments.session
+    ).run(mouse=False)
     return 0

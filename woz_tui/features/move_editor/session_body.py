@@ -7,6 +7,7 @@ import contextlib
 from collections.abc import Callable
 
 from woz_tui.client import WozClient, WozError, WozRefusedError, WozRun, connect
+from woz_tui.console.link.stop_line import StopLine
 from woz_tui.protocol import messages as m
 
 #: The verb that plays a move which no file has.
@@ -20,10 +21,14 @@ class SessionBody:
         session: Its code or its socket's path; empty: the only one.
         body: The body that is edited on; the session's is called so, or it has only one.
         tell: Tells what happens there, in a sentence.
+        stop_line: Is told where the session is, as long as it is there.
     """
 
-    def __init__(self, session: str, body: str, tell: Callable[[str], None]) -> None:
+    def __init__(
+        self, session: str, body: str, tell: Callable[[str], None], stop_line: StopLine
+    ) -> None:
         self._session, self._body, self._tell = session, body, tell
+        self._stop_line = stop_line
         self._client: WozClient | None = None
         self._driver = ""
         self._run: WozRun | None = None
@@ -36,6 +41,7 @@ class SessionBody:
             async with connect(self._session, name="edit-move") as client:
                 self._driver = body_of(client, self._body)
                 self._client = client
+                self._stop_line.path = client.path
                 self._tell(f"P plays on {self._driver}, escape is its session's stop")
                 stops = client.messages(m.StopPressed, m.StopConfirmed, m.StopReleased, held=True)
                 try:
@@ -47,7 +53,7 @@ class SessionBody:
         except WozError as error:
             self._tell(f"no body to play on: {error}")
         finally:
-            self._client = None
+            self._client = self._stop_line.path = None
 
     def _hear(self, message: m.Message) -> None:
         match message:
@@ -84,7 +90,9 @@ class SessionBody:
             self._tell(f"{self._driver}: {error}")
 
     async def stop(self) -> None:
-        """Press the session's stop; what became of it is told as it comes."""
+        """Press the session's stop, where the stop line could not; what became of it is told as it
+        comes.
+        """
         if self._client is None:
             self._tell("the session is not there: its console has the stop")
             return

@@ -38,10 +38,13 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Variables:
-    """Values by name, and of those that depend on the condition by name and condition."""
+    """Values by name, and of those that depend on the condition by name and condition. `late`: the
+    ones among these that hold what is known only when a sentence is said.
+    """
 
     always: Mapping[str, str] = field(default_factory=dict)
     by_condition: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    late: Collection[str] = ()
 
     @property
     def names(self) -> list[str]:
@@ -70,7 +73,8 @@ def read_variables(
     later: Collection[str] = (),
 ) -> Variables:
     """The experiment's own; those that are `filled` in are not among them. `later`: variables whose
-    values are known only when a sentence is said, slots and what is known of a participant.
+    values are known only when a sentence is said, slots and what is known of a participant. What
+    holds one is no value before: its texts are put into the sentences (`in_place`).
     """
     table = cursor.table("a mapping of names to texts") if cursor is not None else None
     always: dict[str, str] = {}
@@ -89,14 +93,39 @@ def read_variables(
     for name, found in depending.items():
         for condition, entry in (table or {})[name].entries():
             text = found.get(condition, "")
-            if late := [each for each in utterance_template.names(text) if each in later]:
-                entry.error(
-                    f"{{{late[0]}}} cannot stand in a variable, because it is known only when a"
-                    " sentence is said; give the action a sentence for each condition:"
-                    f" say: {{{condition}: ...}}"
-                )
             utterance_template.check(entry, text, (*filled, *always, *later))
-    return Variables(always, depending)
+    late = [
+        name
+        for name, found in depending.items()
+        if any(each in later for text in found.values() for each in utterance_template.names(text))
+    ]
+    return Variables(always, depending, late)
+
+
+def in_place(choice: TextVariants, variables: Variables) -> TextVariants:
+    """The same texts with the late variables that they hold replaced by what these say in each
+    condition, so that the condition chooses among them. Raises `ValueError` with the name of a
+    variable where another one decides.
+    """
+    named = {name for text in choice.every for name in utterance_template.names(text)}
+    late = [name for name in variables.late if name in named]
+    if not late:
+        return choice
+    if choice.by:
+        raise ValueError(late[0])
+    said = {
+        condition: {name: variables.by_condition[name].get(condition, "") for name in late}
+        for condition in variables.by_condition[late[0]]
+    }
+    return TextVariants(
+        {
+            condition: tuple(
+                utterance_template.put_in_place(text, texts)
+                for text in choice.texts[condition if choice.depends else ""]
+            )
+            for condition, texts in said.items()
+        }
+    )
 
 
 def is_choice(cursor: Cursor, conditions: Collection[str]) -> bool:

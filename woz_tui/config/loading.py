@@ -186,6 +186,7 @@ class _ExperimentDecoder:
                 for name, values in {**of_people, **of_features}.items()
                 if values is not None
             },
+            variables,
         )
         steps = StepReader(vocabulary)
         panels = PanelReader(steps, file.keyboard)

@@ -6,7 +6,7 @@ A file is checked for them when it is read; the values are filled in when an act
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # consoles fill in what the robot process has checked
@@ -55,6 +55,17 @@ def fill(text: str, value_of: Callable[[str], str]) -> str:
         if name is None:
             return match[0][0]
         return value_of(name) if _VARIABLE.fullmatch(name) else match[0]
+
+    return _PART.sub(part, text)
+
+
+def put_in_place(text: str, texts: Mapping[str, str]) -> str:
+    """`text` with these variables replaced by their own texts, which may hold others; all else
+    stays as it is written.
+    """
+
+    def part(match: re.Match[str]) -> str:
+        return texts.get(match["name"] or "", match[0])
 
     return _PART.sub(part, text)
 

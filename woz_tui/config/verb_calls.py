@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from woz_tui.config import utterance_template
 from woz_tui.config.annotated_decoder import resolve_path
 from woz_tui.config.command_remarks import CommandChecker
-from woz_tui.config.condition_texts import Deciding, is_choice, read_choice
+from woz_tui.config.condition_texts import Deciding, Variables, in_place, is_choice, read_choice
 from woz_tui.config.experiment import ARRIVED, Call, LeftOut, ParallelCalls, TextVariants
 from woz_tui.config.performers import ENGAGEMENT, performers
 from woz_tui.config.problems import ProblemReport, join, listed, quoted
@@ -44,7 +44,7 @@ class Vocabulary:
     """All verbs of an experiment, and what their arguments may refer to.
 
     `another`: the robot that plays it instead of `robots`, which still decides what can be written.
-    `deciding`: variables by which a text can be chosen.
+    `deciding`: variables by which a text can be chosen. `own_variables`: those of the file.
     """
 
     robots: Robots
@@ -54,6 +54,7 @@ class Vocabulary:
     conditions: Sequence[str] = ()
     another: Robots | None = None
     deciding: Deciding = field(default_factory=dict)
+    own_variables: Variables = field(default_factory=Variables)
 
     def offers(self, verb: str) -> Sequence[VerbOffer]:
         """Who offers the verb; those that need no driver come before any driver's."""
@@ -388,6 +389,7 @@ class _Arguments:
         self._variables = vocabulary.variables
         self._conditions = vocabulary.conditions
         self._deciding = vocabulary.deciding
+        self._own_variables = vocabulary.own_variables
         self._looker = vocabulary.looker
         self._offer = offer
         self._verb = offer.verb
@@ -412,12 +414,11 @@ class _Arguments:
         for argument in self._verb.arguments:
             written = given.get(argument.name)
             if written is not None and not self._misplaced(written):
-                if not self._is_choice(written, argument):
-                    args[argument.name] = self._value(written, argument)
-                elif (choice := self._choice(written, argument)) is not None:
-                    self.choices[argument.name] = choice
+                value = self._one_or_several(written, argument)
+                if isinstance(value, TextVariants):
+                    self.choices[argument.name] = value
                 else:
-                    whole = False
+                    args[argument.name] = value
             elif argument.required and written is None:
                 what = f" ({argument.summary})" if argument.summary else ""
                 cursor, absent = self._cursor, join(self._cursor.path, argument.name)
@@ -432,6 +433,30 @@ class _Arguments:
     def _is_choice(self, entry: Cursor, argument: Argument) -> bool:
         """Whether the text is another one in each condition, or one of several."""
         return argument.kind in self._chosen and is_choice(entry, self._conditions)
+
+    def _one_or_several(self, entry: Cursor, argument: Argument) -> Json | TextVariants:
+        """The checked value, or texts of which one is chosen; None if it is wrong."""
+        value: Json | TextVariants
+        if self._is_choice(entry, argument):
+            value = self._choice(entry, argument)
+        else:
+            value = self._value(entry, argument)
+        if argument.kind not in _CHOSEN or not isinstance(value, str | TextVariants):
+            return value
+        texts = value if isinstance(value, TextVariants) else TextVariants({"": (value,)})
+        try:
+            placed = in_place(texts, self._own_variables)
+        except ValueError as error:
+            name = error.args[0]
+            entry.error(
+                f"{{{name}}} has another text in each condition, with something that is known only"
+                f" when it is said, and here {texts.by} decides: write its words out"
+            )
+            return None
+        if placed is not texts and argument.kind not in self._chosen:
+            entry.error("the engagement model knows no text by condition: write the words out")
+            return None
+        return value if placed is texts else placed
 
     def _choice(self, entry: Cursor, argument: Argument) -> TextVariants | None:
         def read(one: Cursor) -> str | None:

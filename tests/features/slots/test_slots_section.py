@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from tests.config.reading import HEAD, errors, panel, read_experiment
 from woz_tui.config.reload_changes import compare
-from woz_tui.features.slots.section import SLOTS, Slot
+from woz_tui.features.slots.section import SLOTS, Slot, slots_of
 
 ASK = "{label: Ask, say: 'Do you like {colour}?'}"
 SLOT = "slots: {colour: {offer: [red, blue], heard: true, keep: participant}}\n"
@@ -40,14 +42,34 @@ def test_what_is_wrong_is_told_with_its_place(tmp_path: Path) -> None:
         )
 
 
-def test_in_a_variable_by_condition_it_cannot_stand_and_the_error_says_where_it_can(
-    tmp_path: Path,
+LIKE = "conditions: [warm, cold]\nvariables: {like: {warm: 'a {colour} one', cold: 'one'}}\n"
+
+
+@pytest.mark.parametrize(
+    ("say", "warm", "cold"),
+    [
+        ("'{{So}} {like}?'", ("{{So}} a {colour} one?",), ("{{So}} one?",)),
+        ("{any: ['{like}?', Hm]}", ("a {colour} one?", "Hm"), ("one?", "Hm")),
+        ("{warm: 'W {like}', cold: 'C {like}'}", ("W a {colour} one",), ("C one",)),
+    ],
+)
+def test_in_a_variable_by_condition_it_is_asked_for_in_every_condition(
+    tmp_path: Path, say: str, warm: tuple[str, ...], cold: tuple[str, ...]
 ) -> None:
-    head = "conditions: [warm, cold]\nvariables: {like: {warm: 'a {colour} one', cold: 'one'}}\n"
-    action = "{label: Ask, say: {warm: 'Do you like {colour}, {like}?', cold: 'Do you like it?'}}"
-    [wrong] = errors(tmp_path, panel(action, head=HEAD + head) + SLOT)
-    assert "{colour} cannot stand in a variable" in wrong
-    assert "say: {warm: ...}" in wrong
+    text = panel(f"{{label: Ask, say: {say}}}", head=HEAD + LIKE) + SLOT
+    experiment = read_experiment(tmp_path, text)
+    (action,) = experiment.panels[0].actions
+    (call,) = action.calls
+    assert call.choices["text"].texts == {"warm": warm, "cold": cold}
+    assert slots_of(action, SLOTS.of(experiment)) == ("colour",)
+
+
+def test_where_something_else_decides_such_a_variable_cannot_stand(tmp_path: Path) -> None:
+    say = "{by: visitor.age_group, child: 'Well, {like}?', else: Hm}"
+    text = panel(f"{{label: Ask, say: {say}}}", head=HEAD + LIKE) + SLOT + "engagement: {}\n"
+    [wrong] = errors(tmp_path, text)
+    assert "{like} has another text in each condition" in wrong
+    assert "here visitor.age_group decides: write its words out" in wrong
 
 
 def test_a_repair_cannot_have_one_and_one_without_a_sentence_is_odd(tmp_path: Path) -> None:

@@ -203,6 +203,18 @@ async def test_nobody_is_asked_about_what_is_stopped() -> None:
         assert len(asked(pilot, r.AskAction)) == 1, "the robot process says why it is refused"
 
 
+async def test_many_offers_leave_room_for_what_the_keys_do() -> None:
+    whole = guide()
+    long = [f"a rather long colour {number}" for number in range(9)]
+    slots = {"colour": SlotView(long), "shape": SlotView()}
+    async with piloted_console(replace(whole, settings=replace(whole.settings, slots=slots))) as it:
+        assert rows(it)[1].endswith("… asked for before it is said")
+        await it.press("space")
+        assert rows(it)[1].endswith("… enter says it · ctrl+q closes")
+        await it.press("ctrl+q", "c", "b", "1")
+        assert rows(it)[1] == " type what stands here enter says it · ctrl+q closes"
+
+
 @pytest.mark.parametrize("size", [(80, 24), (60, 20), (160, 50)])
 async def test_a_long_sentence_leaves_room_for_the_field(size: tuple[int, int]) -> None:
     async with piloted_console(guide(ask=FULL), size=size) as pilot:

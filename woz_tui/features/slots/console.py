@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from rich.cells import cell_len
 
 from woz_tui.config.screen_language import say, word
-from woz_tui.console.drawing.cells import Row, clean, cut
+from woz_tui.console.drawing.cells import Row, clean, cut, length, spread
 from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventContext, EventLine
@@ -36,6 +36,13 @@ def offers(state: ConsoleState, slot: str) -> Row:
     if words := heard(state, slot):
         row += ((" tab ", "key"), (f" {clean(words[0])}  ", "plain"))
     return row
+
+
+def with_hint(row: Row, hint: str, width: int, ellipsis: str) -> Row:
+    """What the keys do stands behind a row, which gives way."""
+    keys: Row = ((f" {hint}", "muted"),)
+    whole: Row = (*row, *keys)
+    return whole if length(whole) <= width else spread(row, keys, width, ellipsis)
 
 
 def around(told: Gap, frame: PaintFrame, field: int) -> tuple[str, str]:
@@ -68,7 +75,7 @@ def next_rows(state: ConsoleState, frame: PaintFrame, action: str) -> Sequence[R
     before, after = around(told, frame, len(name))
     row: Row = ((f" {before}", "strong"), (name, "flash"), (after, "strong"))
     asked = say("slots.asked_before", "asked for before it is said")
-    below: Row = (*offers(state, slot), (f" {asked}", "muted"))
+    below = with_hint(offers(state, slot), asked, frame.width, glyphs.ellipsis)
     return [cut(each, frame.width, glyphs.ellipsis) for each in (row, below)][: frame.height]
 
 

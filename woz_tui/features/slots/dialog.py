@@ -17,7 +17,7 @@ from woz_tui.console.drawing.glyphs import PaintFrame
 from woz_tui.console.screens.dialog import Dialog, content
 from woz_tui.features.scripts.kinds import AskScript
 from woz_tui.features.scripts.shown_script import shown_script
-from woz_tui.features.slots.console import around, offers
+from woz_tui.features.slots.console import around, offers, with_hint
 from woz_tui.features.slots.history import kept_values
 from woz_tui.features.slots.open_slots import gap, heard, open_slots, slots_of, view_of
 from woz_tui.features.slots.slot_value import LONGEST, SlotValueError, checked_value, tidied
@@ -132,7 +132,8 @@ class SlotDialog(Dialog):
         entry.styles.width = field
         self.update("before", content([((f" {before}", "strong"),)]))
         self.update("after", content([((after, "strong"),)]))
-        row: Row = offers(self.state, self._slot)
+        free = say("slots.type", "type what stands here")
+        row: Row = offers(self.state, self._slot) or ((f" {free}", "muted"),)
         if self._wrong:
             row = ((f" {self._wrong}", "warn"),)
         last = self._at + 1 == len(self._slots)
@@ -141,7 +142,8 @@ class SlotDialog(Dialog):
             if last
             else say("slots.goes_on", "enter goes on · ctrl+q closes")
         )
-        self.update("offers", content([(*row, (f" {self.glyphs.plain(hint)}", "muted"))]))
+        keys = with_hint(row, self.glyphs.plain(hint), width, self.glyphs.ellipsis)
+        self.update("offers", content([keys]))
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """The field grows with what is typed."""

@@ -75,7 +75,12 @@ TABLES: dict[str, tuple[str, ...]] = {
         "Zenoh with TLS",
         "a stop, confirmed",
     ),
-    "start_up": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),
+    "start_up": (
+        "woz run, to first paint",
+        "woz host, to its line",
+        "At rest",
+        "woz_tui.console.app",
+    ),
     "faces": ("Time for a picture", "What is found", "Who is recognised"),
     "reachy_daemon": (),  # says itself that the daemon is not installed
 }

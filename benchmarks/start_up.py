@@ -4,8 +4,8 @@
 
 Each round starts, in turns: Python with nothing to do, a bare Textual app with 60 Statics (until
 its first line is on the terminal), `woz run` (until its title and its actions are), `woz attach`
-to a robot process that runs already, and `woz host` alone until it says that it is ready. Then
-what each process has imported is counted and checked.
+to a robot process that runs already, and `woz host` alone until it says that it is ready. Then it
+is measured what each takes at rest, and what each process has imported is counted and checked.
 """
 
 from __future__ import annotations
@@ -16,12 +16,17 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
+
+import psutil
 
 from benchmarks.figures import Spread, machine, percentile, table, verdict
-from benchmarks.sessions import PROGRAMS, ROOT, Terminal, bench, host, woz
+from benchmarks.sessions import PROGRAMS, ROOT, SETTLE_S, Terminal, bench, host, woz
 
 #: Goals: the console, times the bare Textual app; the robot process, in seconds.
 GOAL_CONSOLE, GOAL_ROBOT_S = 2.0, 1.5
+#: Memory of the console at rest, times that of the bare Textual app.
+GOAL_MEMORY = 1.5
 #: Module -> what must not come along with it.
 UNWANTED = {
     "woz_tui.console.app": ("numpy", "serial", "dynamixel_sdk", "woz_drivers"),
@@ -75,6 +80,47 @@ WAYS: dict[str, Callable[[], float]] = {
 }
 
 
+@dataclass(frozen=True)
+class AtRest:
+    """Megabytes that are a process's own, and its share of a core in per cent."""
+
+    name: str
+    megabytes: float
+    share: float
+
+
+def at_rest(name: str, process: int, seconds: float) -> AtRest:
+    """What a process takes while nothing happens, after a moment to settle."""
+    time.sleep(SETTLE_S)
+    measured = psutil.Process(process)
+    before = measured.cpu_times()
+    time.sleep(seconds)
+    after = measured.cpu_times()
+    used = after.user + after.system - before.user - before.system
+    return AtRest(name, measured.memory_full_info().uss / 1e6, 100 * used / seconds)
+
+
+def rested(seconds: float) -> list[AtRest]:
+    """The bare app, a console, its robot process."""
+    with Terminal([sys.executable, str(PROGRAMS / "bare_textual.py")]) as program:
+        program.wait_for(b"Static 0")
+        found = [at_rest("bare Textual, 60 Statics", program.process.pid, seconds)]
+    with (
+        bench() as it,
+        host(it) as socket,
+        Terminal(woz("attach", str(socket)), it.environ()) as console,
+    ):
+        console.wait_for(b"Action A")
+        found.append(at_rest("woz attach", console.process.pid, seconds))
+        robot = next(
+            each.pid
+            for each in psutil.process_iter(["cmdline"])
+            if {"host", str(it.folder / "recordings")} <= set(each.info["cmdline"] or ())
+        )
+        found.append(at_rest("woz host", robot, seconds))
+    return found
+
+
 def imported(module: str) -> tuple[int, list[str]]:
     """How many modules come with `module`, and which of the unwanted ones."""
     code = f"import sys, {module}\nprint(*sys.modules)"
@@ -110,6 +156,19 @@ def main() -> None:
         f"Start-up, seconds (goals: first paint < {GOAL_CONSOLE:g} x bare Textual, "
         f"robot process < {GOAL_ROBOT_S:g} s)",
         ("", "rounds", "best", "p50", "worst", "p50 / bare Textual", "goal"),
+        rows,
+    )
+    least, *others = rested(1.0 if arguments.quick else 20.0)
+    rows = [[least.name, f"{least.megabytes:.1f}", f"{least.share:.2f}", "1.0 x", ""]]
+    for each in others:
+        ratio = each.megabytes / least.megabytes
+        goal = verdict(ratio, GOAL_MEMORY) if each.name == "woz attach" else ""
+        rows.append(
+            [each.name, f"{each.megabytes:.1f}", f"{each.share:.2f}", f"{ratio:.1f} x", goal]
+        )
+    table(
+        f"At rest (goal: memory of the console < {GOAL_MEMORY:g} x bare Textual)",
+        ("", "MB of its own", "% of a core", "MB / bare Textual", "goal"),
         rows,
     )
     checks = []

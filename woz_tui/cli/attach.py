@@ -112,7 +112,7 @@ def _open(arguments: Namespace, socket: Path, explain: Callable[[Loss], Loss] | 
     log = here if closed.left == "ended" else None  # while it goes on it is somebody else's
     access = f" --access {shlex.quote(str(arguments.access))}" if arguments.access else ""
     name = f" {shlex.quote(arguments.name)}" if arguments.name else ""
-    again = f"woz attach{access}{name}{_repeated_options(arguments)}"
+    again = f"attach{access}{name}{_repeated_options(arguments)}"
     if lines := console_start.farewell(closed, again, log):
         print("\n".join(lines))
     return closed.code

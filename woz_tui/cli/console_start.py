@@ -7,6 +7,7 @@ import gc
 import locale
 import os
 import shlex
+import shutil
 import sys
 import threading
 from collections.abc import Callable, Sequence
@@ -108,13 +109,19 @@ def close_console(app: Console) -> ClosedConsole:
     return ClosedConsole(left, code, app.state.log, app.state.settings.abandon_after)
 
 
+def woz() -> str:
+    """How a shell here finds the command: by its path where it is not linked, as in `make demo`."""
+    own = sys.argv[0]
+    return "woz" if Path(own).name != "woz" or shutil.which("woz") else shlex.quote(own)
+
+
 def farewell(closed: ClosedConsole, again: str, log: Path | None) -> list[str]:
-    """What a wizard reads in the shell: how to come back with the command `again`, or what can be
+    """What a wizard reads in the shell: how to come back with `again` behind `woz`, or what can be
     done with the session's log; None: it is not on this computer.
     """
     lines = []
     if closed.left == "detached":
-        lines.append(f"The session continues; join it again with `{again}`.")
+        lines.append(f"The session continues; join it again with `{woz()} {again}`.")
         if closed.abandon_after:
             after = lasting(closed.abandon_after)
             lines.append(
@@ -128,7 +135,7 @@ def farewell(closed: ClosedConsole, again: str, log: Path | None) -> list[str]:
     lines.append(f"Log: {log}")
     if closed.left == "ended":
         name = shlex.quote(str(log))
-        lines += [f"Its figures: woz report {name}", f"See it again: woz replay {name}"]
+        lines += [f"Its figures: {woz()} report {name}", f"See it again: {woz()} replay {name}"]
     if said.is_file() and said.stat().st_size:
         lines.append(f"Errors of drivers and of the robot process: {said}")
     return lines

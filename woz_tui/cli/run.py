@@ -101,6 +101,6 @@ def play(arguments: Namespace, experiment: Path, robot: str = "", demo: Shown | 
     if result is None:
         return 1
     if result.code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this
-        again = f"woz attach{part_again(arguments)}"
+        again = f"attach{part_again(arguments)}"
         print("\n".join(console_start.farewell(result.closed, again, result.robot.log)))
     return result.code

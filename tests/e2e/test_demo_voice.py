@@ -56,6 +56,8 @@ def test_a_silent_demo_says_so(lab: Lab, options: tuple[str, ...], told: bool) -
     end_session(terminal)
     assert terminal.wait_exit() == 0
     assert (b"Silent" in terminal.written) is told
+    helps = b"(plug one in; `aplay -l` lists them)"  # in the shell, which has room for it
+    assert (helps in terminal.written) is told
 
 
 def wav(path: Path) -> None:

@@ -77,8 +77,10 @@ def play(arguments: Namespace, experiment: Path, robot: str = "", demo: Shown | 
     if shown.fitted:
         command.append("--fitted")
 
+    silent = ("", "")
+
     def options(process: RobotProcess) -> console_start.ScreenOptions:
-        silent = ("", "")
+        nonlocal silent
         if shown.aloud:
             from woz_tui.host import demo_voice  # noqa: PLC0415 - only demos are heard
 
@@ -101,6 +103,10 @@ def play(arguments: Namespace, experiment: Path, robot: str = "", demo: Shown | 
     if result is None:
         return 1
     if result.code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this
-        again = f"attach{part_again(arguments)}"
-        print("\n".join(console_start.farewell(result.closed, again, result.robot.log)))
+        lines = console_start.farewell(
+            result.closed, f"attach{part_again(arguments)}", result.robot.log
+        )
+        if silent[0]:  # on a small screen there was no room for what helps
+            lines.append(f"{silent[0]} ({silent[1]})")
+        print("\n".join(lines))
     return result.code

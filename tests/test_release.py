@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+import yaml
 
 from tools import ROOT
 from tools.release_notes import ReleaseError, notes
@@ -46,6 +50,24 @@ def test_this_version_could_be_tagged_if_it_is_one() -> None:
     changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     if "dev" not in __version__:
         assert "### " in notes(f"v{__version__}", __version__, changes)
+
+
+def test_a_tag_of_another_version_ends_the_workflow_before_anything_is_built(
+    tmp_path: Path,
+) -> None:
+    """The step as GitHub runs it: `bash -e`, which does not see what fails in front of a pipe."""
+    steps = yaml.safe_load((ROOT / ".github/workflows/release.yml").read_text())["jobs"]["build"]
+    [command] = [step["run"] for step in steps["steps"] if "release_notes" in step.get("run", "")]
+    done = subprocess.run(
+        ["bash", "-e", "-c", command.replace(".venv/bin/python", sys.executable)],
+        cwd=ROOT,
+        env=os.environ | {"GITHUB_REF_NAME": "v9.9.9", "RUNNER_TEMP": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "the tag v9.9.9 is not" in done.stderr
+    assert done.returncode != 0
 
 
 @pytest.mark.parametrize("path", WORKFLOWS, ids=[path.name for path in WORKFLOWS])

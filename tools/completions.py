@@ -10,6 +10,7 @@ from pathlib import Path
 import shtab
 
 from woz_tui.cli import whole_parser
+from woz_tui.cli.argument_types import file_or_word
 
 ROOT_PREFIX = "woz"
 
@@ -20,7 +21,7 @@ def _parser() -> ArgumentParser:
     parser = whole_parser()
     for each in _with_commands(parser):
         for action in each._actions:
-            if action.type is Path:
+            if action.type in (Path, file_or_word):
                 action.complete = shtab.FILE  # type: ignore[attr-defined]
     return parser
 

@@ -44,6 +44,9 @@ def test_bash_completes_commands_options_choices_and_files(
     assert completed(script, tmp_path, "woz", "new", "x.yaml", "--template", "mus") == {"museum"}
     assert completed(script, tmp_path, "woz", "run", "g") >= {"guide.yaml", "games"}
     assert completed(script, tmp_path, "woz", "run", "--recordings", "ga") == {"games"}
+    # A robot's name, a pattern or a dash would do, too.
+    assert completed(script, tmp_path, "woz", "report", "g") >= {"guide.yaml", "games"}
+    assert completed(script, tmp_path, "woz", "check", "x", "--robot", "g") >= {"guide.yaml"}
 
 
 @pytest.mark.parametrize("shell", completion.SHELLS)

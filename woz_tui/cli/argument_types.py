@@ -27,6 +27,11 @@ def number(
     return read
 
 
+def file_or_word(text: str) -> str:
+    """A file, or something else that its help names: shells offer files (tools/completions.py)."""
+    return text
+
+
 #: A time of at most a day.
 seconds = number(0.0, 86_400.0, "s")
 

@@ -9,6 +9,7 @@ from functools import partial
 from woz_tui.bridge.stomp_bridge import StompBridge
 from woz_tui.bridge.stomp_connection import StompError
 from woz_tui.bridge.topic_table import load_table
+from woz_tui.cli.argument_types import file_or_word
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.stomp_options import add_broker, broker_place
 from woz_tui.client import WozError, connect
@@ -23,6 +24,7 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument("--session", default="", help="session code (default: the only one)")
     parser.add_argument(
         "--topics",
+        type=file_or_word,
         default="eyepi",
         metavar="FILE",
         help="table of topics, and what their messages stand for (default: EyePi's)",

@@ -14,6 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from woz_tui.cli import check_why, robot_fit
+from woz_tui.cli.argument_types import file_or_word
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.config import keys
 from woz_tui.config.action_text import action_text, main_arguments
@@ -68,6 +69,7 @@ def add(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--robot",
+        type=file_or_word,
         default="",
         metavar="NAME",
         help="what another robot than the file's own does of each action: a robot file, the name"

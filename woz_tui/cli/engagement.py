@@ -15,7 +15,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from woz_tui.cli.argument_types import number
+from woz_tui.cli.argument_types import file_or_word, number
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.safe_streams import json_text
 from woz_tui.config.engagement import EngagementSettings
@@ -70,7 +70,10 @@ def add(parser: ArgumentParser) -> None:
     parser.description = _DESCRIPTION
     parser.formatter_class = RawDescriptionHelpFormatter
     parser.add_argument(
-        "file", nargs="?", help="lines of samples, or a session's log; - is standard input"
+        "file",
+        nargs="?",
+        type=file_or_word,
+        help="lines of samples, or a session's log; - is standard input",
     )
     parser.add_argument(
         "--experiment", type=Path, help="settings from this file's section engagement"

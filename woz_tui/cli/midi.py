@@ -12,6 +12,7 @@ from typing import Any
 
 from rich.table import Table
 
+from woz_tui.cli.argument_types import file_or_word
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.single_keys import single_keys
 from woz_tui.config.annotated_decoder import settings_from_texts
@@ -42,6 +43,7 @@ def add(parser: ArgumentParser) -> None:
     )
     learn.add_argument(
         "--like",
+        type=file_or_word,
         default="",
         metavar="MAP",
         help=f"controls to ask for: nanokontrol2, thesis or a file (default: {_STANDARD})",
@@ -49,7 +51,11 @@ def add(parser: ArgumentParser) -> None:
     learn.set_defaults(work=_learn)
     show = commands.add_parser("show", help="show what each control sends and does")
     show.add_argument(
-        "map", nargs="?", default=_STANDARD, help="nanokontrol2, thesis or a map file"
+        "map",
+        nargs="?",
+        type=file_or_word,
+        default=_STANDARD,
+        help="nanokontrol2, thesis or a map file",
     )
     show.add_argument("--yaml", action="store_true", help="as a map file, as a start for your own")
     show.set_defaults(work=_show)

@@ -14,6 +14,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from woz_tui.analysis.text_format import listed
+from woz_tui.cli.argument_types import file_or_word
 from woz_tui.cli.check import verdict
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.new_files import FeatureFiles
@@ -77,6 +78,7 @@ def add(parser: ArgumentParser) -> None:
     )
     asked.add_argument(
         "--robot",
+        type=file_or_word,
         metavar="NAME",
         help=f"a name that `woz robots` lists, or a robot file (default: {SIMULATED})",
     )

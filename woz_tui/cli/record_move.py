@@ -73,7 +73,11 @@ def add(parser: ArgumentParser) -> None:
         help="seconds before it begins (default: 3)",
     )
     take.add_argument("--no-trim", action="store_true", help="keep rest at both ends")
-    take.add_argument("--inputs", help="JSON lines of inputs or a session's log, instead of keys")
+    take.add_argument(
+        "--inputs",
+        type=argument_types.file_or_word,
+        help="JSON lines of inputs or a session's log, instead of keys",
+    )
     take.add_argument(
         "--from", dest="start", type=argument_types.seconds, default=0.0,
         help="time of the inputs at which the take begins; earlier inputs set the start",

@@ -58,7 +58,9 @@ def add(parser: ArgumentParser) -> None:
         help="lines a second, 1 to 1000 (default: 50)",
     )
     parser.add_argument(
-        "--inputs", help="JSON lines of inputs, or a session's log; - is standard input"
+        "--inputs",
+        type=argument_types.file_or_word,
+        help="JSON lines of inputs, or a session's log; - is standard input",
     )
     parser.add_argument(
         "--lenient", action="store_true", help="skip wrong lines of --inputs and report them"

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from woz_tui.analysis.spreadsheets import PLAIN, SPREADSHEETS
-from woz_tui.cli.argument_types import number
+from woz_tui.cli.argument_types import file_or_word, number
 from woz_tui.cli.error_sentences import os_error_text
 from woz_tui.cli.progress import progress
 from woz_tui.cli.safe_streams import json_text
@@ -72,6 +72,7 @@ def add_sessions(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "logs",
         nargs="+",
+        type=file_or_word,
         metavar="FILE",
         help="a session's log, a folder of them, or a pattern; - is a log from standard input",
     )

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from woz_tui.cli.argument_types import listen_address
+from woz_tui.cli.argument_types import file_or_word, listen_address
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
 from woz_tui.feature import StartOption, features
 from woz_tui.system.user_folders import config_folder
@@ -62,6 +62,7 @@ def add_robot(parser: ArgumentParser) -> None:
     """Declare the robot that plays an experiment instead of the one that its file names."""
     parser.add_argument(
         "--robot",
+        type=file_or_word,
         default="",
         metavar="NAME",
         help="another robot than the file's: a robot file, the name of one, or a type (see `woz"

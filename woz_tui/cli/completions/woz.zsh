@@ -148,7 +148,7 @@ _shtab_woz_bml_options=(
   "--session[session code, such as S02, or socket (default\: the only one that runs)\; with --access\: the robot\'s HOST\:PORT]:session:"
   "--access[join a session on another machine with this access file (see \`woz access\`)]:FILE:_files"
   "--dry-run[of files\: print when everything would happen and what the robot does for it, and play nothing\; without a session by usual durations]"
-  "--robot[with --dry-run and no session\: a robot file, or the name of one, in \`robots\` beside the block or of woz-tui (default\: simulated)]:robot:"
+  "--robot[with --dry-run and no session\: a robot file, or the name of one, in \`robots\` beside the block or of woz-tui (default\: simulated)]:robot:_files"
   "--feedback[print the feedback as XML, one element a line]"
   "--stomp[play what a planner sends over this message broker, until ctrl\+c]:HOST[:PORT]:"
   "--listen[play what a planner on this machine sends to this port (default 7500), until ctrl\+c]:PORT:"
@@ -168,7 +168,7 @@ _shtab_woz_bridge_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
   "--stomp[the message broker (STOMP 1.2)]:HOST[:PORT]:"
   "--session[session code (default\: the only one)]:session:"
-  "--topics[table of topics, and what their messages stand for (default\: EyePi\'s)]:FILE:"
+  "--topics[table of topics, and what their messages stand for (default\: EyePi\'s)]:FILE:_files"
   "--login[name at the broker]:login:"
   "--passcode-file[file with the password at the broker]:passcode_file:_files"
   "--virtual-host[the broker\'s virtual host (RabbitMQ\: \/)]:virtual_host:"
@@ -202,7 +202,7 @@ _shtab_woz_check_options=(
   "--all[everything\: keys, the robot\'s verbs and sensors, engagement, study]"
   "--terminal[the keys on this terminal (default\: the one you use, by its environment)]:terminal:(kitty linux plain screen tmux)"
   "--layout[the keys on this keyboard (default\: the file\'s)]:layout:(de es fr gb us)"
-  "--robot[what another robot than the file\'s own does of each action\: a robot file, the name of one, or a type\; all\: every robot there is a file of]:NAME:"
+  "--robot[what another robot than the file\'s own does of each action\: a robot file, the name of one, or a type\; all\: every robot there is a file of]:NAME:_files"
   "--why[whether a key\'s action may be played when the session begins, in each phase and with each profile, and if not why\; KEY can be an action\'s name or a verb, too]:KEY:"
   "--keymap[the keys with a wizard\'s keymap file]:keymap:_files"
   "--format[json\: one object, for programs]:format:(text json)"
@@ -308,7 +308,7 @@ _shtab_woz_dictate_defaults_added=0
 _shtab_woz_doctor_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
   "--recordings[folder of the logs]:recordings:_files"
-  "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:"
+  "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:_files"
   "--at[this computer is the one that robot files call so\: examine the drivers at it]:NAME:"
   "--json[for programs\: one JSON object]"
   "--bundle[also write this ZIP file, to be sent with a report\: without names, addresses, words]:FILE:_files"
@@ -356,7 +356,7 @@ _shtab_woz_engagement_options=(
   "--compare[for a session\'s log\: compare its results with the new ones]"
   "--trials[for a session\'s log\: stability and delay of the signs, from markers \`steady\` and \`now\`]"
   "--json[figures for programs]"
-  ":lines of samples, or a session\'s log\; - is standard input:"
+  ":lines of samples, or a session\'s log\; - is standard input:_files"
 )
 
 # guard to ensure default positional specs are added only once per session
@@ -399,7 +399,7 @@ _shtab_woz_hands_defaults_added=0
 
 _shtab_woz_host_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
-  "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:"
+  "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:_files"
   "--session[session code (default\: the next free one)]:session:"
   "--participant[participant code (no names)]:participant:"
   "--condition[one of the experiment\'s conditions]:condition:"
@@ -459,7 +459,7 @@ _shtab_woz_methods_options=(
   "--anew[read all logs anew\; figures that were kept of logs read before are forgotten]"
   "--markdown[with headings]"
   "--about[about.yaml\: what no log knows of the study]:FILE:_files"
-  "(*):a session\'s log, a folder of them, or a pattern\; - is a log from standard input:"
+  "(*):a session\'s log, a folder of them, or a pattern\; - is a log from standard input:_files"
 )
 
 # guard to ensure default positional specs are added only once per session
@@ -475,7 +475,7 @@ _shtab_woz_midi_defaults_added=0
 _shtab_woz_midi_learn_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
   "--device[the panel\: its card\'s name or a path (default\: the first)]:device:"
-  "--like[controls to ask for\: nanokontrol2, thesis or a file (default\: nanokontrol2)]:MAP:"
+  "--like[controls to ask for\: nanokontrol2, thesis or a file (default\: nanokontrol2)]:MAP:_files"
   ":map file to write\; if it exists, its controls are asked for:_files"
 )
 
@@ -485,7 +485,7 @@ _shtab_woz_midi_learn_defaults_added=0
 _shtab_woz_midi_show_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
   "--yaml[as a map file, as a start for your own]"
-  ":nanokontrol2, thesis or a map file:"
+  ":nanokontrol2, thesis or a map file:_files"
 )
 
 # guard to ensure default positional specs are added only once per session
@@ -498,7 +498,7 @@ _shtab_woz_new_options=(
   "--template[what the robot does\: interview, museum, game, tutoring or survey (default\: interview)]:NAME:(interview museum game tutoring survey)"
   "--yes[use the defaults without asking]"
   "--questionnaire[copy a questionnaire instead\; without a name list them, with their terms]:NAME:"
-  "--robot[a name that \`woz robots\` lists, or a robot file (default\: simulated)]:NAME:"
+  "--robot[a name that \`woz robots\` lists, or a robot file (default\: simulated)]:NAME:_files"
   "--study[with participants, conditions and a questionnaire (default)]"
   "--free[free play, no study]"
   "--conditions[of a study, with commas\; or none (default\: neutral,empathic)]:A,B:"
@@ -556,7 +556,7 @@ _shtab_woz_record_move_options=(
   "--rate[samples a second (default\: 25)]:rate:"
   "--count-in[seconds before it begins (default\: 3)]:count_in:"
   "--no-trim[keep rest at both ends]"
-  "--inputs[JSON lines of inputs or a session\'s log, instead of keys]:inputs:"
+  "--inputs[JSON lines of inputs or a session\'s log, instead of keys]:inputs:_files"
   "--from[time of the inputs at which the take begins\; earlier inputs set the start]:start:"
   "*--mute[switch LAYER off]:LAYER:"
   "*--unmute[switch LAYER on again]:LAYER:"
@@ -574,7 +574,7 @@ _shtab_woz_render_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
   "--seconds[duration (default\: until its end)]:seconds:"
   "--rate[lines a second, 1 to 1000 (default\: 50)]:rate:"
-  "--inputs[JSON lines of inputs, or a session\'s log\; - is standard input]:inputs:"
+  "--inputs[JSON lines of inputs, or a session\'s log\; - is standard input]:inputs:_files"
   "--lenient[skip wrong lines of --inputs and report them]"
   "--plot[draw the joints\' curves instead]"
   "--keys[the same, with the frames and what joints miss of them]"
@@ -627,7 +627,7 @@ _shtab_woz_report_options=(
   "--json[one JSON object, for programs]"
   "--verify[check all line numbers and checksums, also of the samples]"
   "--all[everything on a terminal, which shows ten lines else\; tables without a limit of rows]"
-  "(*):a session\'s log, a folder of them, or a pattern\; - is a log from standard input:"
+  "(*):a session\'s log, a folder of them, or a pattern\; - is a log from standard input:_files"
 )
 
 # guard to ensure default positional specs are added only once per session
@@ -651,7 +651,7 @@ _shtab_woz_robots_defaults_added=0
 
 _shtab_woz_run_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
-  "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:"
+  "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:_files"
   "--session[session code (default\: the next free one)]:session:"
   "--participant[participant code (no names)]:participant:"
   "--condition[one of the experiment\'s conditions]:condition:"
@@ -675,7 +675,7 @@ _shtab_woz_run_defaults_added=0
 
 _shtab_woz_say_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
-  "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:"
+  "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:_files"
   "*--set[a setting of \`type\: speech\`, without a file (repeatable)]:NAME=VALUE:"
   "--on[who says it (default\: first)]:DRIVER:"
   "--voice[another voice]:voice:"
@@ -729,7 +729,7 @@ _shtab_woz_train_options=(
   "--recordings[folder of the logs (default\: recordings\/training)]:recordings:_files"
   "--history[only show the scores so far, of --wizard or of all wizards]"
   "--name[name of the socket (default\: the session code)]:name:"
-  "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:"
+  "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:_files"
   "--keymap[file that moves the console\'s own keys, such as a line \`say\: ctrl\+g\` (default\: \~\/.config\/woz\/keymap.yaml)]:keymap:_files"
   "--theme[colours, remembered for the next time\; 16\: the terminal\'s own\; auto\: what suits the terminal]:theme:(auto dark light 16)"
   ":experiment file:_files"
@@ -831,7 +831,7 @@ _shtab_woz_visitors_show_defaults_added=0
 
 _shtab_woz_voices_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
-  "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:"
+  "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:_files"
   "*--set[a setting of \`type\: speech\`, without a file (repeatable)]:NAME=VALUE:"
   "--language[only those of a language, such as de]:language:"
   "--json[for programs\: a JSON list]"

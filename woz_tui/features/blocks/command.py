@@ -12,7 +12,7 @@ from pathlib import Path
 from rich.table import Table
 
 from woz_tui.bridge.stomp_connection import StompError
-from woz_tui.cli.argument_types import number
+from woz_tui.cli.argument_types import file_or_word, number
 from woz_tui.cli.error_sentences import CommandErrors
 from woz_tui.cli.session_choice import add_session_choice, joined_session
 from woz_tui.cli.stomp_options import add_broker, broker_place
@@ -55,6 +55,7 @@ def add(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--robot",
+        type=file_or_word,
         default="",
         help="with --dry-run and no session: a robot file, or the name of one, in `robots` beside"
         " the block or of woz-tui (default: simulated)",

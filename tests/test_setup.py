@@ -12,6 +12,7 @@ import tarfile
 import tomllib
 import zipfile
 from collections.abc import Iterator
+from email import message_from_bytes
 from importlib.metadata import distribution
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 from packaging.version import Version
 
+from hatch_build import IndexPage
 from woz_tui import __version__
 
 pytestmark = pytest.mark.timeout(300)  # it builds both packages
@@ -145,6 +147,36 @@ def test_the_version_is_that_of_the_newest_changes(packages: tuple[list[str], Pa
         assert newest == "Unreleased"
     else:
         assert re.fullmatch(rf"{re.escape(__version__)} - \d{{4}}-\d\d-\d\d", newest)
+
+
+def test_the_page_of_the_package_index_has_no_link_that_leads_nowhere(
+    packages: tuple[list[str], Path],
+) -> None:
+    with zipfile.ZipFile(packages[1]) as wheel:
+        [name] = [name for name in wheel.namelist() if name.endswith("/METADATA")]
+        told = message_from_bytes(wheel.read(name))
+    assert told["Description-Content-Type"] == "text/markdown"
+    page = told.get_payload()
+    assert "[docs/](docs/README.md)" in (ROOT / "README.md").read_text()
+    assert page.startswith("# woz-tui\n")
+    assert "\ndocs/ leads wizards" in page
+    assert re.findall(r"\]\((?!https?:)", page) == []
+
+
+def test_the_page_of_the_package_index_leads_to_the_repository_once_it_has_an_address(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "woz_tui").mkdir()
+    shutil.copy(ROOT / "woz_tui" / "__init__.py", tmp_path / "woz_tui")
+    (tmp_path / "README.md").write_text("![Demo](a.svg) [docs](docs/) [b](https://b.org) [c](#c)\n")
+    metadata = {"urls": {"Repository": "https://example.org/woz-tui"}, "readme": {}}
+    IndexPage(str(tmp_path), {}).update(metadata)
+    at = f"https://example.org/woz-tui/%s/v{__version__}"
+    assert metadata["readme"] == {
+        "content-type": "text/markdown",
+        "text": f"![Demo]({at % 'raw'}/a.svg) [docs]({at % 'blob'}/docs/) "
+        "[b](https://b.org) [c](#c)\n",
+    }
 
 
 def test_the_sdist_has_what_a_packager_needs(packages: tuple[list[str], Path]) -> None:

@@ -20,6 +20,17 @@ DEFAULT = "en"
 #: Sections of a language file, each with its words.
 SECTIONS = tuple(each.words for each in features().values() if each.words)
 _SUFFIX = ".language.yaml"
+#: What languages are called by those who read them.
+NAMES = {
+    "de": "Deutsch",
+    "en": "English",
+    "es": "Español",
+    "fr": "Français",
+    "it": "Italiano",
+    "ja": "日本語",
+    "nl": "Nederlands",
+    "sv": "Svenska",
+}
 
 
 def shipped() -> tuple[str, ...]:

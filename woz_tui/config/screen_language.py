@@ -117,7 +117,7 @@ def worded_data(data: Any) -> Any:
     match data:
         case {"wording": dict(wording), **rest} if _used:
             texts = {
-                name: _inner({**each, "text": rest[name]})
+                name: inner_text({**each, "text": rest[name]})
                 for name, each in wording.items()
                 if isinstance(each, dict) and isinstance(rest.get(name), str)
             }
@@ -132,13 +132,13 @@ def _filled(code: str, values: Mapping[str, Any], english: str) -> str:
     if text is None:
         return str(english)
     try:
-        return text.format_map({name: _inner(value) for name, value in values.items()})
+        return text.format_map({name: inner_text(value) for name, value in values.items()})
     except (KeyError, ValueError, IndexError, AttributeError, TypeError, RecursionError):
         log.warning("the sentence %s cannot be filled in", code)
         return str(english)
 
 
-def _inner(value: Any) -> Any:
+def inner_text(value: Any) -> Any:
     """A value as it is filled in: of a sentence within a sentence its words."""
     match value:
         case Sentence():

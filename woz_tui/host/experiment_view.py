@@ -17,6 +17,7 @@ from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.panels import ActionView, PanelView
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.protocol.welcome import ModelLimits, StudySettings, WelcomeSettings
 from woz_tui.session.session import Session
 from woz_tui.session.session_plan import study_settings, study_snapshot
@@ -52,7 +53,7 @@ def action_view(action: Action) -> ActionView:
     calls = action.calls
     return ActionView(
         name=action.name,
-        label=action.label,
+        label=str(action.label),
         key=action.key,
         help=action.help,
         verbs=list(dict.fromkeys(call.verb for call in calls)),
@@ -62,6 +63,7 @@ def action_view(action: Action) -> ActionView:
         locked=action.locked,
         then=[*action.then],
         without=[each.what for each in action.left_out],
+        code=action.label.code if isinstance(action.label, Sentence) else "",
     )
 
 

@@ -535,7 +535,8 @@ def _with_own_source(client: ClientConnection, request: Request) -> Request:
 def _finding_data(finding: Finding) -> Json:
     """A finding of the preflight as consoles and programs get it."""
     fields: dict[str, Json] = msgspec.to_builtins(finding, enc_hook=str)
-    wording = wording_of({"text": finding.text, "remedy": finding.remedy})
+    texts = {"subject": finding.subject, "text": finding.text, "remedy": finding.remedy}
+    wording = wording_of(texts)
     return {**fields, "wording": msgspec.to_builtins(wording)} if wording else fields
 
 

@@ -382,7 +382,12 @@ class SessionServer:
             wizards = self.session.state.wizards
             present = self._player(client.part)
             if present is not None:
-                reason = f"{player_names([present.name], wizards)} plays {part_text(client)}"
+                reason = Sentence(
+                    "host.part_played",
+                    "{wizard} plays {part}",
+                    wizard=player_names([present.name], wizards),
+                    part=part_text(client),
+                )
             else:
                 reason = Sentence(
                     "host.all_played",

@@ -8,6 +8,8 @@ import stat
 from contextlib import suppress
 from pathlib import Path
 
+from woz_tui.protocol.sentence import Sentence
+
 #: Some file systems cannot fsync a folder; their files need no such call.
 _NO_FOLDER_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.EBADF)
 
@@ -100,19 +102,19 @@ class LogDisk:
 
 
 _WORDS = {
-    errno.ENOSPC: "the disk is full",
-    errno.EDQUOT: "the disk quota is used up",
-    errno.EROFS: "the disk has become read-only",
-    errno.EIO: "the disk reports an input/output error",
-    errno.EFBIG: "the file has reached the largest size allowed",
-    errno.ENOENT: "the folder does not exist any more",
-    errno.ENODEV: "the disk does not exist any more",
-    errno.ENXIO: "the disk does not exist any more",
-    errno.ESTALE: "the network folder does not exist any more",
-    errno.EACCES: "writing is not permitted",
-    errno.EPERM: "writing is not permitted",
-    errno.ENOTDIR: "a part of the path is not a folder",
-    errno.EMFILE: "too many files are open",
+    errno.ENOSPC: Sentence("log.full", "the disk is full"),
+    errno.EDQUOT: Sentence("log.quota", "the disk quota is used up"),
+    errno.EROFS: Sentence("log.read_only", "the disk has become read-only"),
+    errno.EIO: Sentence("log.io_error", "the disk reports an input/output error"),
+    errno.EFBIG: Sentence("log.largest", "the file has reached the largest size allowed"),
+    errno.ENOENT: Sentence("log.no_folder", "the folder does not exist any more"),
+    errno.ENODEV: Sentence("log.no_disk", "the disk does not exist any more"),
+    errno.ENXIO: Sentence("log.no_disk", "the disk does not exist any more"),
+    errno.ESTALE: Sentence("log.no_network", "the network folder does not exist any more"),
+    errno.EACCES: Sentence("log.not_permitted", "writing is not permitted"),
+    errno.EPERM: Sentence("log.not_permitted", "writing is not permitted"),
+    errno.ENOTDIR: Sentence("log.not_a_folder", "a part of the path is not a folder"),
+    errno.EMFILE: Sentence("log.files_open", "too many files are open"),
 }
 
 

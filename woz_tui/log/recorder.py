@@ -726,9 +726,20 @@ class Recorder:
             parts.append(self._unrescued)
         lines, samples = self._lost
         if lines:
-            parts.append(Sentence("log.lost_lines", "{count} lines are lost", count=lines))
+            parts.append(
+                Sentence(
+                    "log.lost_lines", "{count} lines are lost", one="1 line is lost", count=lines
+                )
+            )
         if samples:
-            parts.append(Sentence("log.lost_samples", "{count} samples are lost", count=samples))
+            parts.append(
+                Sentence(
+                    "log.lost_samples",
+                    "{count} samples are lost",
+                    one="1 sample is lost",
+                    count=samples,
+                )
+            )
         detail = parts[0] if parts else ""
         for part in parts[1:]:
             detail = Sentence("log.both", "{first}; {second}", first=detail, second=part)

@@ -22,8 +22,12 @@ from pathlib import Path
 
 from woz_tui.drivers.contract import Finding
 from woz_tui.machine.program_output import output_of
+from woz_tui.protocol.sentence import Sentence
 
 Check = Callable[[], list[Finding] | Finding]
+#: What the findings are about that the preflight has, too.
+_DATE = Sentence("preflight.date", "date")
+_DISK = Sentence("preflight.disk", "disk")
 
 
 def bounded(subject: str, check: Check, seconds: float = 5.0) -> list[Finding]:
@@ -79,8 +83,9 @@ def calendar(now: datetime) -> Finding:
     """Whether the wall clock shows a year that can be true."""
     text = f"{now.astimezone(UTC):%Y-%m-%d %H:%M} UTC"
     if FIRST_YEAR <= now.year < LAST_YEAR:
-        return Finding("ok", "date", text)
-    return Finding("error", "date", text, f"set the clock: {_SET_NTP}")
+        return Finding("ok", _DATE, text)
+    remedy = Sentence("preflight.set_clock", "set the clock: {command}", command=_SET_NTP)
+    return Finding("error", _DATE, text, remedy)
 
 
 def synchronised() -> Finding:
@@ -278,13 +283,22 @@ def free_space(folder: Path) -> Finding:
     try:
         free = shutil.disk_usage(nearest(folder)).free
     except OSError as error:
-        return Finding("error", "disk", f"{folder} cannot be read: {error.strerror}")
-    text = f"{free / 1e9:.1f} GB free for {folder}"
+        text = Sentence(
+            "session.unreadable",
+            "{path} cannot be read: {strerror}",
+            path=folder,
+            strerror=error.strerror,
+        )
+        return Finding("error", _DISK, text)
+    text = Sentence(
+        "preflight.free", "{free:.1f} GB free for {folder}", free=free / 1e9, folder=folder
+    )
     if free < LEAST_FREE:
-        return Finding("error", "disk", text, "make room before the session")
+        remedy = Sentence("preflight.room_before", "make room before the session")
+        return Finding("error", _DISK, text, remedy)
     if free < 10 * LEAST_FREE:
-        return Finding("warning", "disk", text, "make room soon")
-    return Finding("ok", "disk", text)
+        return Finding("warning", _DISK, text, Sentence("preflight.room_soon", "make room soon"))
+    return Finding("ok", _DISK, text)
 
 
 def sync_time(folder: Path, writes: int = 20) -> Finding:

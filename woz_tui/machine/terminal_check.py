@@ -50,7 +50,8 @@ def _type(term: str) -> Finding:
         )
         remedy = Sentence("terminal.real_one", "use a real terminal; over SSH, ssh -t")
         return Finding("error", _TERMINAL, text, remedy)
-    return Finding("ok", _TERMINAL, f"TERM is {term}")
+    text = Sentence("terminal.term", "TERM is {term}", term=term)
+    return Finding("ok", _TERMINAL, text)
 
 
 def _characters() -> Finding:

@@ -422,7 +422,7 @@ class AddressedChanged(Shown, frozen=True, kw_only=True, tag="addressed.changed"
 
 
 class EngagementChanged(Message, frozen=True, kw_only=True, tag="engagement.changed"):
-    """The engagement machine moved; `why` gives the reason in words.
+    """The engagement machine moved; `why` gives the reason in words, `wording` their code.
 
     `verdicts`: presence, gaze, distance (near) as 0, 1 or null, identity as text. `visitor` is the
     code of whoever is known. `forced`: the wizard did it, or a verdict it rests on is the wizard's.
@@ -435,6 +435,7 @@ class EngagementChanged(Message, frozen=True, kw_only=True, tag="engagement.chan
     verdicts: dict[str, Json]
     visitor: str = ""
     forced: bool = False
+    wording: dict[str, Wording] = {}
 
 
 class EngagementAdopted(Message, frozen=True, kw_only=True, tag="engagement.settings"):

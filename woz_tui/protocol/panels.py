@@ -16,7 +16,7 @@ class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """An action as the console shows it; `key` is the chord as the experiment file has it, in the
     normal form of `woz_tui.config.keys`; `verbs` what it does, for icons and search; `then`
     names actions that are likely to follow; `without` verbs that this robot does not do of it;
-    `slots` of its sentences.
+    `slots` of its sentences. `code`: of which sentence of ours the label is; empty: the file's own.
     """
 
     name: str
@@ -29,6 +29,7 @@ class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     then: list[str] = []
     without: list[str] = []
     slots: list[str] = []
+    code: str = ""
 
 
 def covers_verb(covers: Iterable[str], verb: str, driver: str = "") -> bool:

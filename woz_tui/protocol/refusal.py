@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from woz_tui.protocol.sentence import Sentence
+
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
@@ -40,7 +42,8 @@ class RequestError(ValueError):
         self.command = command
         self.needs = needs
         self.reason = reason
-        self.hint = f"there are {', '.join(conditions)}" if conditions else hint
+        there = Sentence("host.there_are", "there are {names}", names=", ".join(conditions))
+        self.hint = there if conditions else hint
         self.conditions = conditions
 
     @classmethod

@@ -53,6 +53,19 @@ class Sentence(str):
         """In another process it is a plain text."""
         return str, (str(self),)
 
+    def spelt(self, english: str) -> Sentence:
+        """The same sentence with this English, in which nothing is to be filled."""
+        sentence = super().__new__(type(self), english)
+        sentence.code, sentence.values = self.code, self.values
+        return sentence
+
+    def filled(self, **values: object) -> Sentence:
+        """One whose values are open (`Sentence("why.lost", "lost: {reason}", reason="{reason}")`)
+        with what is to stand there; those of `values` that it does not have are passed over.
+        """
+        mine: dict[str, Any] = {name: values[name] for name in self.values}
+        return Sentence(self.code, self, **mine)
+
     def wording(self, *, inner: bool = False) -> Wording:
         """What is sent beside the text, or with it where it is `inner`."""
         values = {

@@ -10,6 +10,7 @@ import msgspec
 
 from woz_tui.protocol.envelope import Message, RestrictedMessage
 from woz_tui.protocol.panels import PanelView
+from woz_tui.protocol.sentence import Wording
 from woz_tui.protocol.welcome import WelcomeSettings
 
 # -- a log that needs nothing beside it -----------------------------------------------------------
@@ -54,7 +55,8 @@ class ConditionsAssigned(Message, frozen=True, kw_only=True, tag="condition.assi
     participant, that one. `method` is latin-square, blocks or fixed, or `hand` where the wizard
     chose otherwise; `row` counts the rows of the square, or the places of all blocks, from 0 (-1:
     none). `trials`: in each condition (0: as the file says). `over`: numbers of the trials
-    that the participant has had in this order already (None: nobody said).
+    that the participant has had in this order already (None: nobody said). `wording`: code and
+    values of `why`.
     """
 
     participant: str
@@ -64,6 +66,7 @@ class ConditionsAssigned(Message, frozen=True, kw_only=True, tag="condition.assi
     why: str = ""
     trials: int = 0
     over: list[int] | None = None
+    wording: dict[str, Wording] = {}
 
 
 class TrialStarted(Message, frozen=True, kw_only=True, tag="trial.started"):

@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 from woz_tui.feature import pieces
 from woz_tui.log.line_order import count_falls
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.requesters import END_REASONS, STOP_SOURCES
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.timeline.feature_history import FeatureHistory
 
 #: How much is shown before what ends an idle stretch, in microseconds, at most.
@@ -66,29 +68,46 @@ class FeatureBookmarks:
     of: Mapping[type, BookmarkMaker]
 
 
+_BREAK = Sentence("replay.break", "break")
+_BREAK_OF = Sentence("replay.break_of", "break {text}", text="{text}")
+_END = Sentence("replay.end", "end")
+_END_OF = Sentence("replay.end_of", "end: {why}", why="{why}")
+
+
 def bookmark_of(message: object, t: int) -> Bookmark | None:
     """The mark that a line of the log is; None for most of them."""
     match message:
         case m.Marker(text=text):
-            return Bookmark(t, "marker", text or "marker")
+            return Bookmark(t, "marker", text or Sentence("replay.marker", "marker"))
         case m.Note(text=text):
             return Bookmark(t, "note", text)
         case m.Mistake(action=action, run=run, text=text):
             return Bookmark(t, "mistake", f"{action or run} {text}".strip())
         case m.StopPressed(scope="all", source=source):
-            return Bookmark(t, "stop", f"stop by {source}")
+            by = STOP_SOURCES.get(source, source)
+            return Bookmark(t, "stop", Sentence("replay.stop_by", "stop by {source}", source=by))
         case m.TrialStarted(trial=trial, condition=condition):
-            return Bookmark(t, "trial", f"trial {trial} {condition}".rstrip())
+            return Bookmark(t, "trial", _trial(trial, condition))
         case m.SessionChanged(trial=int(trial)):
-            return Bookmark(t, SET, f"trial {trial}")
+            return Bookmark(t, SET, _trial(trial, ""))
         case m.BreakStarted(text=text):
-            return Bookmark(t, "break", f"break {text}".rstrip())
+            return Bookmark(t, "break", _BREAK_OF.filled(text=text) if text else _BREAK)
         case m.DriverLost(driver=driver):
-            return Bookmark(t, "lost", f"{driver} lost")
+            return Bookmark(t, "lost", Sentence("events.lost", "{driver} lost", driver=driver))
         case m.SessionEnd(reason=reason):
-            return Bookmark(t, "end", f"end: {reason}" if reason else "end")
+            return Bookmark(
+                t, "end", _END_OF.filled(why=END_REASONS.get(reason, reason)) if reason else _END
+            )
     marked = _of_features().get(type(message))
     return marked(message, t) if marked is not None else None
+
+
+def _trial(number: int, condition: str) -> Sentence:
+    if not condition:
+        return Sentence("events.trial", "trial {trial}", trial=number)
+    return Sentence(
+        "replay.trial_in", "trial {trial} {condition}", trial=number, condition=condition
+    )
 
 
 @cache

@@ -28,6 +28,7 @@ from woz_tui.protocol.requests import (
     Reply,
     Request,
 )
+from woz_tui.protocol.sentence import Sentence, wording_of
 from woz_tui.protocol.welcome import ReplayedLog
 from woz_tui.replay.bookmarks import Bookmark
 from woz_tui.replay.recording import Recording, kind_of, thinned
@@ -41,10 +42,14 @@ Incoming = m.Message | Answer | dict[str, Any]
 SLOWEST, FASTEST = 0.25, 16.0
 #: How often it is told how the replay stands, in microseconds of the viewer's time.
 PULSE_US = 1_000_000
-REFUSED = "this is a replay; actions are not played"
-UNMOVED = "this is a replay; the robot does not move"
-HOW_TO_CODE = "m sets a code, n writes a note, x takes your last one back"
-UNCODED = "nobody codes this replay; begin it with --coder and your code"
+REFUSED = Sentence("replay.refused", "this is a replay; actions are not played")
+UNMOVED = Sentence("replay.unmoved", "this is a replay; the robot does not move")
+HOW_TO_CODE = Sentence(
+    "replay.how_to_code", "m sets a code, n writes a note, x takes your last one back"
+)
+UNCODED = Sentence(
+    "replay.uncoded", "nobody codes this replay; begin it with --coder and your code"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,10 +113,14 @@ class ReplayPlayer:
         told = self._restart_at(self.t, now)
         text = "; ".join(self.notes)
         if text:
-            told.append(m.Notice(level="warning", text=f"This log: {text}", t=self.t))
+            about = Sentence("replay.this_log", "This log: {text}", text=text)
+            told.append(self._notice("warning", about))
         if self._coding is not None:
-            told.append(m.Notice(level="info", text=HOW_TO_CODE, t=self.t))
+            told.append(self._notice("info", HOW_TO_CODE))
         return told
+
+    def _notice(self, level: str, text: Sentence) -> m.Notice:
+        return m.Notice(level=level, text=text, wording=wording_of({"text": text}), t=self.t)
 
     def tick(self, now: int) -> list[Incoming]:
         """What has become due since the last time."""
@@ -212,7 +221,9 @@ class ReplayPlayer:
         try:
             data, told = self._carry_out(request, now)
         except ReplayError as error:
-            reply = Reply(ref=request.ref, ok=False, reason=str(error), hint=error.hint)
+            reason, hint = error.reason, error.hint
+            wording = wording_of({"reason": reason, "hint": hint})
+            reply = Reply(ref=request.ref, ok=False, reason=reason, hint=hint, wording=wording)
             return [*caught_up, reply]
         return [*caught_up, Reply(ref=request.ref, ok=True, data=data), *told]
 
@@ -252,16 +263,19 @@ class ReplayPlayer:
         """A code or a note at the present moment; or the last one is taken back."""
         text = "" if isinstance(request, AskMistake) else request.text.strip()
         if not text and not isinstance(request, AskMistake):
-            raise ReplayError("an empty code says nothing")
+            raise ReplayError(Sentence("replay.empty_code", "an empty code says nothing"))
         try:
             if isinstance(request, AskMistake):
                 code = coding.take_back()
             else:
                 code = coding.add(self.t, text, note=isinstance(request, AskNote))
         except OSError as error:
-            raise ReplayError(f"it is not written: {error.strerror or error}") from error
+            why = error.strerror or error
+            raise ReplayError(
+                Sentence("replay.not_written", "it is not written: {why}", why=why)
+            ) from error
         if code is None:
-            raise ReplayError("you have set no code yet")
+            raise ReplayError(Sentence("replay.no_code_yet", "you have set no code yet"))
         self._list_codes()
         if isinstance(request, AskMistake):
             return {"code": code.text}, self._restart_at(self.t, now)
@@ -288,14 +302,24 @@ class ReplayPlayer:
 
     def _pause(self, now: int) -> list[Incoming]:
         if self.ended:
-            raise ReplayError("the replay is at its end", "press home to go to the beginning")
+            raise ReplayError(
+                Sentence("replay.at_end", "the replay is at its end"),
+                Sentence("replay.press_home", "press home to go to the beginning"),
+            )
         self.paused = not self.paused
         self._local = now
         return self._status(now)
 
     def _speed(self, rate: float, now: int) -> list[Incoming]:
         if not SLOWEST <= rate <= FASTEST:
-            raise ReplayError(f"the speed goes from {SLOWEST:g} to {FASTEST:g} times")
+            raise ReplayError(
+                Sentence(
+                    "replay.speeds",
+                    "the speed goes from {slowest:g} to {fastest:g} times",
+                    slowest=SLOWEST,
+                    fastest=FASTEST,
+                )
+            )
         self.rate = rate
         return self._status(now)
 
@@ -303,7 +327,7 @@ class ReplayPlayer:
         """Go to the next line that shows something, and pause there."""
         number = self.recording.step(self._index)
         if number >= len(self.recording.lines):
-            raise ReplayError("this log has no more lines")
+            raise ReplayError(Sentence("replay.no_more_lines", "this log has no more lines"))
         self.paused = True
         t = max(self.t, self.recording.times[number])
         told = self._lines(number + 1, t)

@@ -6,6 +6,7 @@ import operator
 import re
 from collections.abc import Sequence
 
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.replay.bookmarks import Bookmark
 from woz_tui.replay.recording import Recording
 from woz_tui.system.text_cleaning import elapsed
@@ -24,7 +25,7 @@ class ReplayError(ValueError):
 
     def __init__(self, reason: str, hint: str = "") -> None:
         super().__init__(reason)
-        self.hint = hint
+        self.reason, self.hint = reason, hint
 
 
 def time_of(text: str) -> int | None:
@@ -50,11 +51,15 @@ def seek_time(text: str, recording: Recording, now: int) -> int:
     t = time_of(wanted)
     if t is not None:
         if t > recording.length_us:
-            raise ReplayError(f"the session is {elapsed(recording.length_us)} long")
+            long = elapsed(recording.length_us)
+            raise ReplayError(Sentence("replay.long", "the session is {time} long", time=long))
         return t
     mark = _named(word, recording.marks, now)
     if mark is None:
-        raise ReplayError(f"there is no {wanted!r} in this log", "press g for the list")
+        raise ReplayError(
+            Sentence("replay.not_in_log", "there is no {wanted!r} in this log", wanted=wanted),
+            Sentence("replay.press_g", "press g for the list"),
+        )
     return mark.t
 
 
@@ -64,7 +69,13 @@ def _beside(marks: Sequence[Bookmark], now: int, *, later: bool) -> int:
         [t for t in places if t > now] if later else [t for t in places[::-1] if t < now - AGAIN_US]
     )
     if not found:
-        raise ReplayError(f"there is no marker, stop or trial {'later' if later else 'before'}")
+        if later:
+            raise ReplayError(
+                Sentence("replay.none_later", "there is no marker, stop or trial later")
+            )
+        raise ReplayError(
+            Sentence("replay.none_before", "there is no marker, stop or trial before")
+        )
     return found[0]
 
 

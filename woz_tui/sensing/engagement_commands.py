@@ -14,6 +14,7 @@ from woz_tui.config.sign_values import SENSOR, argument_problem, identity_of, si
 from woz_tui.config.visitor_names import name_of
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.requesters import WIZARD
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.sensing.engagement_model import EngagementModel, Transition
 from woz_tui.sensing.state_machine import Event, State, named_from
 
@@ -52,7 +53,7 @@ def _force(model: EngagementModel, args: Args) -> dict[str, Json]:
     to = args["to"]
     leaving = dict.fromkeys(edge.outcome for edge in named_from(model.state))
     if to == model.state:
-        raise ValueError(f"it is {to} already")
+        raise ValueError(Sentence("hand.already", "it is {state} already", state=to))
     if to in set(State) or to in leaving:
         return {"to": to}
     outcomes = f", or {', '.join(leaving)}" if leaving else ""
@@ -62,9 +63,15 @@ def _force(model: EngagementModel, args: Args) -> dict[str, Json]:
 def _run(model: EngagementModel, args: Args) -> dict[str, Json]:
     run = args["run"]
     if run == _STEP and model.run != "hold":
-        raise ValueError("only a model on hold goes step by step")
+        raise ValueError(Sentence("hand.only_held", "only a model on hold goes step by step"))
     if run == _STEP and not model.pending:
-        raise ValueError(f"no way out of {model.state} is open now: `force` takes one all the same")
+        raise ValueError(
+            Sentence(
+                "hand.no_way",
+                "no way out of {state} is open now: `force` takes one all the same",
+                state=model.state.value,
+            )
+        )
     return {"run": run}
 
 
@@ -87,9 +94,19 @@ def _handshake(model: EngagementModel, args: Args) -> dict[str, Json]:
     what = args["what"]
     code = name_of(args["code"]) if args.get("code") else ""
     if what != "begin" and model.state is not State.HANDSHAKE:
-        raise ValueError(f"there is no handshake to end: the state is {model.state}")
+        raise ValueError(
+            Sentence(
+                "hand.no_handshake",
+                "there is no handshake to end: the state is {state}",
+                state=model.state.value,
+            )
+        )
     if what == "ok" and not (code or model.has_name or model.visitor):
-        raise ValueError("nobody has a name yet: give it with `code`, or with `visitor`")
+        raise ValueError(
+            Sentence(
+                "hand.nobody_named", "nobody has a name yet: give it with `code`, or with `visitor`"
+            )
+        )
     return {"what": what, "code": code} if code else {"what": what}
 
 

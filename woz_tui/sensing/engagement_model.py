@@ -16,10 +16,12 @@ from woz_tui.config.engagement_words import RUNS, SIGNS, VISITOR
 from woz_tui.protocol.envelope import Json
 from woz_tui.protocol.messages import EngagementShown
 from woz_tui.protocol.requesters import WIZARD
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.sensing.loudness_speech import LoudnessSpeechDetector
 from woz_tui.sensing.model_time import SECOND, ModelClock, microseconds, periods
 from woz_tui.sensing.signs import Signs
 from woz_tui.sensing.state_machine import (
+    BY_SIGNS,
     TURN,
     Edge,
     Event,
@@ -33,6 +35,10 @@ from woz_tui.sensing.state_machine import (
 
 #: The outcome with which the state of an earlier participant ends; no way of the table.
 NEW_PARTICIPANT = "new_participant"
+_ANOTHER_PARTICIPANT = Sentence("why.participant", "another participant")
+#: Who moved the machine by hand; `why` is what the signs say, or the reason of the way.
+_FORCED = Sentence("why.forced_by", "forced by {by}: {why}", by="{by}", why="{why}")
+_STEPPED = Sentence("why.stepped_by", "stepped by {by}: {why}", by="{by}", why="{why}")
 #: States of the trail.
 TRAIL = 12
 #: Events that wait while the machine is held, or for the next step.
@@ -216,7 +222,7 @@ class EngagementModel:
         edge, event = found
         while event is not None and self._queued.popleft() is not event:
             pass
-        return self._follow(edge, event, by_hand=f"stepped by {by}: ")
+        return self._follow(edge, event, _STEPPED, by)
 
     def force(self, to: str, by: str = WIZARD) -> Transition:
         """Go to a state, or along an outcome of the present one; it stands until the signs say
@@ -225,7 +231,7 @@ class EngagementModel:
         """
         edge = edge_to(self.state, to)
         self._queued.clear()
-        change = self._follow(edge, None, by_hand=f"forced by {by}: ")
+        change = self._follow(edge, None, _FORCED, by)
         self._stands = self._verdict()
         return change
 
@@ -238,7 +244,7 @@ class EngagementModel:
             return None
         self._queued.clear()
         return self._follow(
-            Edge(self.state, State.WAIT, NEW_PARTICIPANT, always, "another participant"), None
+            Edge(self.state, State.WAIT, NEW_PARTICIPANT, always, _ANOTHER_PARTICIPANT), None
         )
 
     @property
@@ -377,10 +383,15 @@ class EngagementModel:
         edge = self._edge(None)
         return None if edge is None else (edge, None)
 
-    def _follow(self, edge: Edge, event: Event | None, by_hand: str = "") -> Transition:
-        forced = bool(by_hand) or self._rests_on_wizard(edge, event)
-        why = "{reason}" if by_hand.startswith("forced") else edge.why
-        why = by_hand + self.signs.explained(why, self._time.now, self._introduced)
+    def _follow(
+        self, edge: Edge, event: Event | None, by_hand: Sentence | None = None, by: str = ""
+    ) -> Transition:
+        """Take the edge. `by_hand`: that it was moved `by` somebody, and why, which are open."""
+        forced = by_hand is not None or self._rests_on_wizard(edge, event)
+        why = BY_SIGNS if by_hand is _FORCED else edge.why
+        why = self.signs.explained(why, self._time.now, self._introduced)
+        if by_hand is not None:
+            why = by_hand.filled(by=by, why=why)
         self.state, self.since = edge.target, self._time.now
         self._trail.append(edge.target.value)
         if event is None or self.settings.turns != VISITOR:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, Generic, TypeVar
 
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.engagement_words import CONDITION, FILTERS, SIGNS
 from woz_tui.protocol.envelope import Json
 from woz_tui.protocol.messages import SignShown
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.sensing import sample_values
 from woz_tui.sensing.filters import Fifo, IdentityFifo, Median
 from woz_tui.sensing.joint_filter import JointFilter, JointSign
@@ -61,10 +63,20 @@ class SampleThinning:
 FRESH = 2 * SECOND
 #: What a verdict is called: no, yes.
 WORDS = {
-    "presence": ("nobody is there", "present"),
-    "gaze": ("looks away", "looks"),
-    "distance": ("not near", "near"),
+    "presence": (
+        Sentence("signs.nobody", "nobody is there"),
+        Sentence("signs.present", "present"),
+    ),
+    "gaze": (Sentence("signs.away", "looks away"), Sentence("signs.looks", "looks")),
+    "distance": (Sentence("signs.far", "not near"), Sentence("signs.near", "near")),
 }
+#: What a sign is called where it has no verdict.
+_NAMES = {
+    "presence": Sentence("engagement.presence", "presence"),
+    "gaze": Sentence("engagement.gaze", "gaze"),
+    "distance": Sentence("engagement.distance", "distance"),
+}
+_NO_NAME = Sentence("signs.no_name", "no name")
 
 
 Q = TypeVar("Q", Fifo, IdentityFifo)
@@ -165,12 +177,24 @@ class FilteredSign(Generic[Q]):
             forced=self.forced is not None,
         )
 
-    def _share(self) -> str:
-        """How many speak for it, unless all do or none."""
+    def _with_share(self, said: str) -> str:
+        """With how many speak for it, unless all do or none."""
         chosen = self.filter
         if not 0 < chosen.count < chosen.places:
-            return ""
-        return f" ({chosen.count} {'%' if self._jointly else f'of {chosen.places}'})"
+            return said
+        if self._jointly:
+            return Sentence("signs.per_cent", "{said} ({number} %)", said=said, number=chosen.count)
+        return Sentence(
+            "signs.share",
+            "{said} ({number} of {places})",
+            said=said,
+            number=chosen.count,
+            places=chosen.places,
+        )
+
+    def _with_hand(self, said: str) -> str:
+        """With whoever says so by hand."""
+        return Sentence("signs.by", "{said} ({by})", said=said, by=self.forced_by)
 
 
 def _stale_after(name: str, settings: EngagementSettings) -> int:
@@ -239,14 +263,16 @@ class Sign(FilteredSign[Fifo]):
         """The verdict as a person says it: `looks (5 of 8)`."""
         verdict = self.verdict
         if self.forced is None and (self.stale or not self.fresh(now)):
-            return f"{self.name} stale" if self.ever else f"no {self.name} sensor"
+            if self.ever:
+                return Sentence("signs.stale", "{sign} stale", sign=_NAMES[self.name])
+            return Sentence("signs.no_sensor", "no {sign} sensor", sign=_NAMES[self.name])
         if verdict is None or (self.forced is None and not self.ever):
-            return f"{self.name} not known yet"
+            return Sentence("signs.unknown", "{sign} not known yet", sign=_NAMES[self.name])
         said = WORDS[self.name][verdict]
         metres = self.metres
         if self.name == "distance" and metres is not None and math.isfinite(metres):
-            said += f" {metres:.1f} m"
-        return said + (f" ({self.forced_by})" if self.forced is not None else self._share())
+            said = Sentence("signs.metres", "{said} {metres:.1f} m", said=said, metres=metres)
+        return self._with_hand(said) if self.forced is not None else self._with_share(said)
 
     @property
     def metres(self) -> float | None:
@@ -304,12 +330,12 @@ class IdentitySign(FilteredSign[IdentityFifo]):
     def words(self, introduced: str = "") -> str:
         """Who it is, as a person says it; `introduced`: the name that somebody has given."""
         if introduced and not self.has_name:
-            return f"known as {introduced}"
+            return Sentence("signs.known_as", "known as {name}", name=introduced)
         if self.forced is not None:
-            return f"{self.forced if self.has_name else 'no name'} ({self.forced_by})"
+            return self._with_hand(self.forced if self.has_name else _NO_NAME)
         if not self.has_name:
-            return "no name"
-        return self.name_given + self._share()
+            return _NO_NAME
+        return self._with_share(self.name_given)
 
     def shown(self) -> SignShown:
         """The sign as the screen shows it."""
@@ -361,7 +387,8 @@ class Signs:
         known = sign == "identity"
         chosen: FilteredSign[Any] = self.identity if known else self._sign(sign)
         chosen.forced = _name(value, name) if known else _verdict(sign, value)
-        chosen.forced_by = by.removeprefix("the ").removeprefix("a ")
+        short = by.removeprefix("the ").removeprefix("a ")
+        chosen.forced_by = by.spelt(short) if isinstance(by, Sentence) else short
 
     def configure(
         self, sign: str, kind: str | None, count: int | None, threshold: float | None
@@ -427,17 +454,15 @@ class Signs:
 
     def reason(self, now: int, introduced: str) -> str:
         """What they say, in words; `introduced` is the name that somebody has given."""
-        return ", ".join(
-            [*(sign.words(now) for sign in self.uses), self.identity.words(introduced)]
-        )
+        return _listed([*(sign.words(now) for sign in self.uses), self.identity.words(introduced)])
 
-    def explained(self, why: str, now: int, introduced: str) -> str:
-        """`why`, with `{reason}` as what all say and `{absence}` as why nobody is there."""
-        absence = ", ".join(sign.words(now) for sign in self._there)
-        nobody = WORDS["presence"][0]
+    def explained(self, why: Sentence, now: int, introduced: str) -> Sentence:
+        """`why`, with `reason` as what all say and `absence` as why nobody is there."""
+        nobody: str = WORDS["presence"][0]
+        absence = _listed([sign.words(now) for sign in self._there]) or nobody
         if not absence.startswith(nobody):
-            absence = f"{nobody}: {absence}" if absence else nobody
-        return why.format(reason=self.reason(now, introduced), absence=absence)
+            absence = Sentence("signs.nobody_by", "{nobody}: {why}", nobody=nobody, why=absence)
+        return why.filled(reason=self.reason(now, introduced), absence=absence)
 
     def shown(self) -> dict[str, SignShown]:
         """All of them for the screen."""
@@ -466,6 +491,15 @@ class Signs:
         if name not in self._by_name:
             raise ValueError(f"{name!r} is none of {', '.join(SIGNS)}")
         return self._by_name[name]
+
+
+def _listed(words: Iterable[str]) -> str:
+    """One behind the other, with commas."""
+    return functools.reduce(_and, words, "")
+
+
+def _and(first: str, more: str) -> str:
+    return Sentence("signs.listed", "{first}, {more}", first=first, more=more) if first else more
 
 
 def _verdict(sign: str, value: object | None) -> float | bool | None:

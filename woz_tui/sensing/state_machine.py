@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 
 from woz_tui.config.engagement import HandshakeSettings, Timeouts
 from woz_tui.config.engagement_words import VISITOR
+from woz_tui.protocol.sentence import Sentence
 
 
 class State(enum.StrEnum):
@@ -74,10 +75,18 @@ class ModelView:
     handshake: HandshakeSettings = field(default_factory=HandshakeSettings)
 
 
+#: What a reason leaves open until its edge is taken.
+_REASON = {"reason": "{reason}"}
+_ABSENCE = {"absence": "{absence}"}
+#: Reasons that are nothing but what the signs say.
+BY_SIGNS = Sentence("why.signs", "{reason}", **_REASON)
+_BY_ABSENCE = Sentence("why.absence", "{absence}", **_ABSENCE)
+
+
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """One arrow. `when` decides; `why` says it in words, with `{reason}` for what the signs say
-    and `{absence}` for those by which nobody is there.
+    """One arrow. `when` decides; `why` says it in words, where `reason` is open for what the signs
+    say and `absence` for those by which nobody is there.
 
     `letter` is the figure's; an edge without one comes from the published program (`listing`) or
     is an extension of this one, which a setting switches on or off. `unnamed`: nobody means it who
@@ -88,7 +97,7 @@ class Edge:
     target: State
     outcome: str
     when: Callable[[ModelView], bool]
-    why: str
+    why: Sentence
     letter: str = ""
     listing: bool = False
     unnamed: bool = False
@@ -130,7 +139,7 @@ def _absent(view: ModelView) -> bool:
 
 def _nobody_there(state: State) -> Edge:
     """Out of a state that the paper does not leave before it is over, though the visitor has."""
-    why = "nobody is there any more: {absence}"
+    why = Sentence("why.nobody_left", "nobody is there any more: {absence}", **_ABSENCE)
     return Edge(state, State.WAIT, "human_absence", _absent, why, unnamed=True)
 
 
@@ -148,8 +157,8 @@ def _unengaged(view: ModelView) -> bool:
 
 def _left_by_visitor(state: State) -> tuple[Edge, ...]:
     """Out of a turn of whoever spoke, who has gone, was replaced, or attends to something else."""
-    another = "somebody else is there: {reason}"
-    lost = "not engaged any more: {reason}"
+    another = Sentence("why.another", "somebody else is there: {reason}", **_REASON)
+    lost = Sentence("why.unengaged", "not engaged any more: {reason}", **_REASON)
     return (
         _nobody_there(state),
         Edge(state, State.DETECTED, "error", _replaced, another, unnamed=True),
@@ -164,70 +173,104 @@ def _greets(view: ModelView) -> bool:
 # fmt: off
 #: Every arrow, in the order in which those of one state are tried: the first that holds is taken.
 EDGES: tuple[Edge, ...] = (
-    Edge(State.WAIT, State.STOP, "end", _on(Event.STOP), "ended by hand", listing=True),
-    Edge(State.WAIT, State.DETECTED, "human_presence", lambda view: view.presence, "{reason}", "a"),
+    Edge(
+        State.WAIT, State.STOP, "end", _on(Event.STOP),
+        Sentence("why.by_hand", "ended by hand"), listing=True,
+    ),
+    Edge(State.WAIT, State.DETECTED, "human_presence", lambda view: view.presence, BY_SIGNS, "a"),
     Edge(
         State.DETECTED, State.WAIT, "human_absence",
-        lambda view: not view.presence, "{absence}", "b",
+        lambda view: not view.presence, _BY_ABSENCE, "b",
     ),
     Edge(
         State.DETECTED, State.KNOWN, "recognized",
-        lambda view: view.engaged and view.known, "{reason}", "e",
+        lambda view: view.engaged and view.known, BY_SIGNS, "e",
     ),
-    Edge(State.DETECTED, State.UNKNOWN, "unrecognized", _nameless, "{reason}", "c"),
+    Edge(State.DETECTED, State.UNKNOWN, "unrecognized", _nameless, BY_SIGNS, "c"),
     Edge(
         State.DETECTED, State.WAIT, "human_absence",
-        _after("approach"), "did not engage in time: {reason}", listing=True,
+        _after("approach"),
+        Sentence("why.too_slow", "did not engage in time: {reason}", **_REASON), listing=True,
     ),
-    Edge(State.UNKNOWN, State.DETECTED, "error", _lost, "engagement lost: {reason}", "d"),
-    Edge(State.UNKNOWN, State.HANDSHAKE, "handshake", _greets, "to be introduced", "g"),
+    Edge(
+        State.UNKNOWN, State.DETECTED, "error", _lost,
+        Sentence("why.lost", "engagement lost: {reason}", **_REASON), "d",
+    ),
+    Edge(
+        State.UNKNOWN, State.HANDSHAKE, "handshake", _greets,
+        Sentence("why.introduction", "to be introduced"), "g",
+    ),
     # Where no handshake leads on (any more), a name that turns up does.
     Edge(
         State.UNKNOWN, State.KNOWN, "recognized",
-        lambda view: view.engaged and view.known, "{reason}",
+        lambda view: view.engaged and view.known, BY_SIGNS,
     ),
     Edge(
         State.HANDSHAKE, State.KNOWN, "eng2know",
-        _on(Event.HANDSHAKE_OK), "introduced", "i",
+        _on(Event.HANDSHAKE_OK), Sentence("why.introduced", "introduced"), "i",
     ),
     Edge(
         State.HANDSHAKE, State.UNKNOWN, "eng2unknow",
-        _on(Event.HANDSHAKE_FAIL), "the handshake failed", "h",
+        _on(Event.HANDSHAKE_FAIL), Sentence("why.handshake_failed", "the handshake failed"), "h",
     ),
     Edge(
         State.HANDSHAKE, State.UNKNOWN, "eng2unknow",
-        lambda view: view.elapsed >= view.handshake.seconds, "the handshake took too long", "h",
+        lambda view: view.elapsed >= view.handshake.seconds,
+        Sentence("why.handshake_long", "the handshake took too long"), "h",
     ),
     _nobody_there(State.HANDSHAKE),
-    Edge(State.KNOWN, State.DETECTED, "error", _lost, "engagement lost: {reason}", "f"),
     Edge(
-        State.KNOWN, State.USER_SPEAKS, "listening", _on(Event.SPEECH_START), "somebody speaks", "l"
+        State.KNOWN, State.DETECTED, "error", _lost,
+        Sentence("why.lost", "engagement lost: {reason}", **_REASON), "f",
+    ),
+    Edge(
+        State.KNOWN, State.USER_SPEAKS, "listening", _on(Event.SPEECH_START),
+        Sentence("why.speaks", "somebody speaks"), "l"
     ),
     Edge(
         State.KNOWN, State.ROBOT_SPEAKS, "speaking",
-        _on(Event.ROBOT_INITIATIVE), "the robot begins", "p",
-    ),
-    Edge(State.USER_SPEAKS, State.THINKS, "done", _on(Event.SPEECH_END), "speech has ended", "m"),
-    Edge(
-        State.USER_SPEAKS, State.KNOWN, "error",
-        _on(Event.SPEECH_ERROR), "nothing was understood", listing=True,
+        _on(Event.ROBOT_INITIATIVE), Sentence("why.robot_begins", "the robot begins"), "p",
     ),
     Edge(
+        State.USER_SPEAKS, State.THINKS, "done", _on(Event.SPEECH_END),
+        Sentence("why.speech_over", "speech has ended"), "m",
+    ),
+    Edge(
         State.USER_SPEAKS, State.KNOWN, "error",
-        _after("listening"), "the speech does not end", listing=True,
+        _on(Event.SPEECH_ERROR),
+        Sentence("why.not_understood", "nothing was understood"), listing=True,
+    ),
+    Edge(
+        State.USER_SPEAKS, State.KNOWN, "error",
+        _after("listening"), Sentence("why.speech_long", "the speech does not end"), listing=True,
     ),
     *_left_by_visitor(State.USER_SPEAKS),
-    Edge(State.THINKS, State.REPLIES, "done", _on(Event.THINK_DONE), "there is an answer", "n"),
-    Edge(State.THINKS, State.KNOWN, "error", _after("thinking"), "nobody has answered"),
+    Edge(
+        State.THINKS, State.REPLIES, "done", _on(Event.THINK_DONE),
+        Sentence("why.answer", "there is an answer"), "n",
+    ),
+    Edge(
+        State.THINKS, State.KNOWN, "error", _after("thinking"),
+        Sentence("why.no_answer", "nobody has answered"),
+    ),
     *_left_by_visitor(State.THINKS),
-    Edge(State.REPLIES, State.KNOWN, "done", _on(Event.REPLY_DONE), "the answer is over", "o"),
-    Edge(State.REPLIES, State.KNOWN, "error", _after("talking"), "the answer does not end"),
+    Edge(
+        State.REPLIES, State.KNOWN, "done", _on(Event.REPLY_DONE),
+        Sentence("why.answer_over", "the answer is over"), "o",
+    ),
+    Edge(
+        State.REPLIES, State.KNOWN, "error", _after("talking"),
+        Sentence("why.answer_long", "the answer does not end"),
+    ),
     *_left_by_visitor(State.REPLIES),
     Edge(
         State.ROBOT_SPEAKS, State.KNOWN, "done",
-        _on(Event.SAY_DONE), "the robot's sentence is over", "q",
+        _on(Event.SAY_DONE), Sentence("why.sentence_over", "the robot's sentence is over"), "q",
     ),
-    Edge(State.ROBOT_SPEAKS, State.KNOWN, "error", _after("talking"), "the speech does not end"),
+    Edge(
+        State.ROBOT_SPEAKS, State.KNOWN, "error", _after("talking"),
+        Sentence("why.speech_long", "the speech does not end"),
+    ),
     _nobody_there(State.ROBOT_SPEAKS),
 )
 
@@ -277,7 +320,7 @@ def edge_to(state: State, to: str) -> Edge:
         known = f" ({leave})" if leave else ""
         raise ValueError(f"{to!r} is neither a state nor an outcome of {state}{known}")
     arrows = (edge for edge in edges if edge.target == to)
-    return next(arrows, Edge(state, State(to), "forced", always, "{reason}"))
+    return next(arrows, Edge(state, State(to), "forced", always, BY_SIGNS))
 
 
 _FROM: dict[State, tuple[Edge, ...]] = {

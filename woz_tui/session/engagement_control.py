@@ -138,13 +138,16 @@ class EngagementController(Performer):
     async def perform(self, job: Job) -> Mapping[str, m.Json]:
         """Understand a verb; it is obeyed when `command.done` is heard, as in the log."""
         if self._model is None:
-            raise RejectedError("the experiment has no engagement model")
+            raise RejectedError(
+                Sentence("hand.no_section", "the experiment has no engagement model")
+            )
         try:
             arguments = engagement_commands.resolved_arguments(
                 self._model.follower.model, job.verb, job.args
             )
         except ValueError as error:
-            raise RejectedError(str(error)) from error
+            what = next(iter(error.args), "")
+            raise RejectedError(what if isinstance(what, Sentence) else str(error)) from error
         if isinstance(name := arguments.get("code"), str):
             arguments["code"] = self._model.visitors.name(name)
         self._verbs[job.command] = job.verb

@@ -26,8 +26,21 @@ _VERDICTS = {
     "presence": (_NOBODY, Sentence("session.somebody", "somebody")),
     "gaze": (Sentence("session.looks_not", "not looking"), Sentence("session.looks", "looking")),
 }
+#: Sensors whose names are words; others are called as their driver calls them.
+_SENSORS = {
+    "presence": Sentence("engagement.presence", "presence"),
+    "gaze": Sentence("engagement.gaze", "gaze"),
+    "distance": Sentence("engagement.distance", "distance"),
+    "identity": Sentence("engagement.identity", "identity"),
+    "loudness": Sentence("meters.loudness", "loudness"),
+}
 SURE = 0.5
 _CHOOSE = Sentence("session.choose", "choose it")
+#: What the findings are about that are none of drivers and sensors.
+_FILE = Sentence("preflight.file", "experiment")
+_LOG = Sentence("preflight.log", "log")
+_SESSION = Sentence("preflight.session", "session")
+_STOP = Sentence("preflight.stop", "stop")
 #: What a line of the list can be; what is only worth knowing is in order.
 LEVELS = ("ok", "warning", "error")
 
@@ -68,9 +81,7 @@ def _file(session: Session) -> list[Finding]:
         return []
     first = f"line {odd[0].place.line}, {odd[0].path}: {odd[0].message}"
     more = f"; and {len(odd) - 1} more" if len(odd) > 1 else ""
-    return [
-        Finding("warning", "experiment", first + more, f"woz check {session.experiment.path.name}")
-    ]
+    return [Finding("warning", _FILE, first + more, f"woz check {session.experiment.path.name}")]
 
 
 def _drivers(session: Session) -> list[Finding]:
@@ -83,7 +94,9 @@ def _drivers(session: Session) -> list[Finding]:
             if shown is not None and shown.conflicts:
                 findings.append(Finding("warning", name, "; ".join(shown.conflicts)))
             else:
-                findings.append(Finding("ok", name, message.detail or "ready"))
+                findings.append(
+                    Finding("ok", name, message.detail or Sentence("session.ready", "ready"))
+                )
         elif message is None or isinstance(message, m.DriverConnecting):
             findings.append(
                 Finding(
@@ -115,25 +128,26 @@ def _sensors(session: Session) -> list[Finding]:
     ]
     findings = []
     for sensor in expected:
+        subject = _SENSORS.get(sensor, sensor)
         message = session.state.readings.get(sensor)
         changed = session.state.sensors.get(sensor)
         every_s = changed.every_s if changed is not None else 0.0
         limit_us = max(FRESH_US, PERIODS * every_s * 1_000_000)
         if message is None:
             findings.append(
-                Finding("warning", sensor, Sentence("session.no_value", "no value yet"))
+                Finding("warning", subject, Sentence("session.no_value", "no value yet"))
             )
         elif session.hub.now() - message.t > limit_us:
             findings.append(
                 Finding(
                     "warning",
-                    sensor,
+                    subject,
                     Sentence("session.value_old", "its last value is too old"),
                     Sentence("session.check_device", "check the device"),
                 )
             )
         else:
-            findings.append(Finding("ok", sensor, _reading_in_words(message)))
+            findings.append(Finding("ok", subject, _reading_in_words(message)))
     return findings
 
 
@@ -165,7 +179,7 @@ def _recorder(session: Session) -> Finding:
     if state.level == "ok":
         return Finding(
             "ok",
-            "log",
+            _LOG,
             Sentence(
                 "session.on_disk",
                 "on disk within {ms:.0f} ms",
@@ -175,7 +189,7 @@ def _recorder(session: Session) -> Finding:
     level = "error" if state.level == "failed" else "warning"
     return Finding(
         level,
-        "log",
+        _LOG,
         state.detail or Sentence("session.ms_behind", "{ms:.0f} ms behind", ms=state.lag_us / 1000),
         state.remedy,
     )
@@ -188,20 +202,20 @@ def _identity(session: Session) -> Finding:
             unset = Sentence("session.unset_condition", "no condition set")
         else:
             unset = Sentence("session.unset_both", "no participant and no condition set")
-        return Finding("warning", "session", unset, _CHOOSE)
+        return Finding("warning", _SESSION, unset, _CHOOSE)
     if not identity.participant:
         unset = Sentence("session.unset_participant", "no participant set")
-        return Finding("warning", "session", unset, _CHOOSE)
+        return Finding("warning", _SESSION, unset, _CHOOSE)
     condition = session.state.study.label(identity.condition)
-    return Finding("ok", "session", f"{identity.participant} {condition}".strip())
+    return Finding("ok", _SESSION, f"{identity.participant} {condition}".strip())
 
 
 def _stop(session: Session) -> Finding:
     if session.bus.latched:
         return Finding(
             "error",
-            "stop",
+            _STOP,
             Sentence("session.stopped", "the stop is pressed"),
             Sentence("session.release_stop", "release the stop"),
         )
-    return Finding("ok", "stop", Sentence("session.stop_released", "released"))
+    return Finding("ok", _STOP, Sentence("session.stop_released", "released"))

@@ -17,6 +17,7 @@ from functools import cache
 from pathlib import PurePath
 from typing import Any, ClassVar
 
+import msgspec
 from msgspec.structs import fields, replace
 
 from woz_tui.config.engagement_words import STATES
@@ -33,15 +34,26 @@ from woz_tui.protocol.kinds import (
     participant_words,
 )
 from woz_tui.protocol.messages import Json
-from woz_tui.protocol.sentence import Sentence
+from woz_tui.protocol.sentence import Sentence, wording_of
 from woz_tui.sensing.sample_values import ZONES
 
 log = logging.getLogger(__name__)
 
 #: What stands in the place of something hidden.
 HIDDEN = "hidden"
-#: What stands for words that tell something which is kept.
-_NOT_SHOWN = "{} is not shown: it could reveal what this study hides from you"
+#: What stands for a notice that tells something which is kept, by its level, and for a reason.
+_WARNING_KEPT = Sentence(
+    "session.warning_kept",
+    "this warning is not shown: it could reveal what this study hides from you",
+)
+_ERROR_KEPT = Sentence(
+    "session.error_kept",
+    "this error is not shown: it could reveal what this study hides from you",
+)
+_REASON_KEPT = Sentence(
+    "session.reason_kept",
+    "the reason is not shown: it could reveal what this study hides from you",
+)
 #: How a sign of the engagement model says that it is hidden, or only known coarsely.
 KEPT, COARSE = "hidden", "blurred"
 #: What a message may tell to which a wizard is blind.
@@ -280,9 +292,10 @@ class Redactor:
             shown = self._finding(str(line["subject"]), text)
             if shown == text:
                 return line
-            return {name: each for name, each in line.items() if name != "wording"} | {
-                "text": shown
-            }
+            wording = {**line["wording"]} if isinstance(line.get("wording"), dict) else {}
+            wording.pop("text", None)
+            wording |= msgspec.to_builtins(wording_of({"text": shown}))
+            return {**line, "text": str(shown), "wording": wording}
         return instead.get(line, line) if isinstance(line, str) and self.blind else line
 
     def _finding(self, subject: str, text: str) -> str:
@@ -342,14 +355,19 @@ class Redactor:
             words["wording"] = {}
         match message:
             case m.Notice(driver=driver, level=level):
-                words["text"] = f"{driver and f'{driver}: '}{_NOT_SHOWN.format(f'this {level}')}"
+                what = _WARNING_KEPT if level == "warning" else _ERROR_KEPT
+                words["text"] = (
+                    Sentence("session.of_driver", "{driver}: {what}", driver=driver, what=what)
+                    if driver
+                    else what
+                )
                 words["remedy"] = Sentence(
                     "session.read_later", "read it in the log after the session"
                 )
             case m.Done():
                 words |= {"sent": {}, "duration_us": 0}
             case m.End() | m.ActionEnd():
-                words["reason"] = _NOT_SHOWN.format("the reason")
+                words["reason"] = _REASON_KEPT
             case _ if names:
                 words[names[0]] = HIDDEN
         return replace(message, **words)
@@ -485,7 +503,7 @@ class Redactor:
             if not self.perception.hides("identity" if name == "id" else name)
         }
         visitor = "" if self.perception.hides("identity") else message.visitor
-        return replace(message, why="", verdicts=verdicts, visitor=visitor)
+        return replace(message, why="", wording={}, verdicts=verdicts, visitor=visitor)
 
     def _effect(self, message: m.ActionRequested | m.ActionEnd | m.Command) -> m.Message:
         """What a state of the model brings with it is named after the state."""

@@ -72,6 +72,7 @@ def _publish_left_out(hub: Hub, experiment: Experiment) -> None:
         text = Sentence(
             "session.partly_nothing",
             "This robot cannot do all of {count} actions ({empty} do nothing): {what}",
+            one="This robot cannot do all of 1 action ({empty} do nothing): {what}",
             count=len(short),
             empty=empty,
             what=what,
@@ -80,6 +81,7 @@ def _publish_left_out(hub: Hub, experiment: Experiment) -> None:
         text = Sentence(
             "session.partly",
             "This robot cannot do all of {count} actions: {what}",
+            one="This robot cannot do all of 1 action: {what}",
             count=len(short),
             what=what,
         )
@@ -105,6 +107,7 @@ def _publish_key_notices(hub: Hub, experiment: Experiment) -> None:
         text = Sentence(
             "session.more_keys",
             "{count} more keys differ from the file",
+            one="1 more key differs from the file",
             count=len(odd) - _MOST_KEYS,
         )
         remedy = f"woz check {experiment.path.name}"

@@ -15,7 +15,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import ActionView, PanelView
 
-ALL = [ActionView(name=name, label=label, verbs=["say"]) for name, label in LABELS.items()]
+ALL = [ActionView(name=name, label=str(label), verbs=["say"]) for name, label in LABELS.items()]
 FEW = [each for each in ALL if each.name in ("repair repeat", "repair interrupt")]
 
 

@@ -103,7 +103,7 @@ def _sort(sort: str) -> str:
 
 def _place_text(place: TimelinePlace) -> str:
     """What is there, in the words of the screen."""
-    return short_state(place.text) if place.sort == "engagement" else place.text
+    return short_state(place.text) if place.sort == "engagement" else word(place.text)
 
 
 class _PausesReplay(Dialog):

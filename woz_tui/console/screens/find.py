@@ -165,7 +165,8 @@ class FindDialog(SearchDialog[SearchItem]):
         for action, panel in actions:
             cap = self.console_app.caps.get(action.name, KeyCap(action.key))
             said = quoted(self.state, action.name, self.glyphs)
-            where = panel.title if not action.help else f"{panel.title}: {action.help}"
+            title = self.state.title(panel)
+            where = title if not action.help else f"{title}: {action.help}"
             request = AskAction(action=action.name, source="palette")
             do: Callable[[], None] = functools.partial(self.requests.ask, request)
             if action.name in asked_words(self.state):
@@ -175,7 +176,7 @@ class FindDialog(SearchDialog[SearchItem]):
                 caption(cap, self.glyphs),
                 f"{said}  {where}".lstrip(),
                 do,
-                " ".join((action.label, action.help, panel.title)),
+                " ".join((action.label, action.help, title)),
                 said,
                 acts=True,
             )
@@ -193,12 +194,11 @@ class FindDialog(SearchDialog[SearchItem]):
                 yield SearchItem(name, "", word(found.what), do, _search(found.name))
         for panel in self.state.panels:
             locked = self.state.is_locked(panel)
-            name = Sentence("find.lock", "Lock {panel}", panel=panel.title)
-            asks = say(
-                "find.asks_lock", "Lock {panel}? Its keys then play nothing.", panel=panel.title
-            )
+            title = self.state.title(panel)
+            name = Sentence("find.lock", "Lock {panel}", panel=title)
+            asks = say("find.asks_lock", "Lock {panel}? Its keys then play nothing.", panel=title)
             if locked:
-                name, asks = Sentence("find.unlock", "Unlock {panel}", panel=panel.title), ""
+                name, asks = Sentence("find.unlock", "Unlock {panel}", panel=title), ""
             do = functools.partial(ask, AskLock(panel=panel.title, locked=not locked))
             what = say("find.panel", "panel")
             yield SearchItem(word(name), "", what, do, _search(name), asks=asks)

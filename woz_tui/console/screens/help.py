@@ -46,7 +46,7 @@ class HelpDialog(ReportDialog):
             note = f"  {say('help.locked', 'locked')}" if self.state.is_locked(panel) else ""
             if played := clean(self.state.played_by(panel)):
                 note += f"  {say('help.played_by', 'played by {part}', part=played)}"
-            rows += [(), ((panel.title, "title"), (note, "muted"))]
+            rows += [(), ((self.state.title(panel), "title"), (note, "muted"))]
             for action in panel.actions:
                 cap = self.console_app.caps.get(action.name, KeyCap(action.key))
                 rows += self._key(cap, action.key, action.label, action.help)

@@ -106,7 +106,7 @@ class EndedDialog(ChoiceDialog):
 
     def lines(self) -> list[Row]:
         """Why, and where the log is."""
-        why = say("lost.why_ended", "It was ended: {why}.", why=word(self.state.ended))
+        why = say("lost.why_ended", "It was ended: {why}.", why=self.state.ended)
         rows: list[Row] = [
             ((why, "plain"),),
             ((say("lost.log_finished", "The log is finished:"), "plain"),),

@@ -71,7 +71,7 @@ class PeekDialog(LiveReportDialog):
         )
         view = state.action(name)
         key = caption(app.caps.get(name, KeyCap("")), glyphs)
-        where = panel.title if panel is not None else ""
+        where = state.title(panel) if panel is not None else ""
         rows: list[Row] = [
             (
                 (f"{key} " if key else "", "key"),

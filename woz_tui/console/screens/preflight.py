@@ -23,7 +23,7 @@ from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.drawing.key_caps import KeyCap, key_name
 from woz_tui.console.screens.dialog import ReportDialog, plain, refusal_text
 from woz_tui.console.state.console_state import ConsoleState
-from woz_tui.console.state.engagement_text import has_no_sensor, signs_of
+from woz_tui.console.state.engagement_text import has_no_sensor, sign_name, signs_of
 from woz_tui.console.state.remedy_text import remedy_text
 from woz_tui.console.widgets.status_rows import SLOW_LINE_US
 from woz_tui.drivers.contract import Finding
@@ -83,7 +83,7 @@ def sign_findings(state: ConsoleState) -> list[Finding]:
                     "preflight.sensed",
                     "{names} are sensed",
                     one="{names} is sensed",
-                    names=", ".join(sensed),
+                    names=", ".join(map(sign_name, sensed)),
                     count=len(sensed),
                 )
             )
@@ -93,7 +93,7 @@ def sign_findings(state: ConsoleState) -> list[Finding]:
                     "preflight.by_hand",
                     "{names} are given by hand",
                     one="{names} is given by hand",
-                    names=", ".join(by_hand),
+                    names=", ".join(map(sign_name, by_hand)),
                     count=len(by_hand),
                 )
             )
@@ -102,7 +102,7 @@ def sign_findings(state: ConsoleState) -> list[Finding]:
     return [
         Finding(
             *("warning", subject),
-            say("preflight.no_sensor", "no sensor gives {sign} yet", sign=name),
+            say("preflight.no_sensor", "no sensor gives {sign} yet", sign=sign_name(name)),
             remedy,
         )
         for name in missing
@@ -283,6 +283,7 @@ class PreflightDialog(ReportDialog):
                     say(
                         "preflight.unticked",
                         "{count} of your own checks not ticked",
+                        one="1 of your own checks not ticked",
                         count=unticked,
                     )
                 )

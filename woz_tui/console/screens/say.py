@@ -90,7 +90,8 @@ class SayDialog(CompletionDialog):
     def adopt(self) -> None:
         """The tags of this voice."""
         if not self.robot:
-            self.update("robot", plain("No driver of this session can speak."))
+            nobody = say("say.nobody", "No driver of this session can speak.")
+            self.update("robot", plain(nobody))
         self.entry.placeholder = word(self._WITH_TAGS if self._outline.tags else self.placeholder)
         self._show_matches()
 

@@ -16,13 +16,13 @@ from operator import itemgetter
 
 import msgspec
 
-from woz_tui.config.screen_language import say, word
+from woz_tui.config.screen_language import inner_text, say, word, worded
 from woz_tui.console.drawing.number_text import seconds
 from woz_tui.console.link.message_feed import Incoming, Loss
 from woz_tui.console.state.command_text import spoken_text
 from woz_tui.console.state.driver_outlines import Outline, outlines_of, robots_of
 from woz_tui.console.state.engagement import EngagementView
-from woz_tui.console.state.event_sentences import EventLine, event_line, explained
+from woz_tui.console.state.event_sentences import EventLine, end_word, event_line, explained
 from woz_tui.console.state.replay import ReplayState, updated
 from woz_tui.console.state.running_actions import RunningActions, RunOutcome
 from woz_tui.console.state.stop_confirmation import short_names
@@ -44,7 +44,7 @@ from woz_tui.protocol.action_messages import HANDS
 from woz_tui.protocol.codec import WireError, decode_message
 from woz_tui.protocol.markup import sentence
 from woz_tui.protocol.panel_players import panel_players, part_names, verb_players
-from woz_tui.protocol.panels import ActionView, PanelView, PhaseView
+from woz_tui.protocol.panels import TYPED, TYPED_NAME, ActionView, PanelView, PhaseView
 from woz_tui.protocol.refusal import Refusal
 from woz_tui.protocol.robot_outline import RobotOutline
 from woz_tui.protocol.welcome import WelcomeSettings
@@ -163,7 +163,9 @@ class ConsoleState:
     def ended(self) -> str:
         """Why the session has ended; empty: it goes on."""
         end = self.session.end
-        return (end.reason or "ended") if end is not None else ""
+        if end is None:
+            return ""
+        return end_word(end.reason) or say("engagement.ended", "ended")
 
     @property
     def phase(self) -> PhaseView | None:
@@ -352,6 +354,7 @@ class ConsoleState:
         drivers: list[str],
     ) -> None:
         self.edition += 1
+        settings = msgspec.structs.replace(settings, repairs=[*map(_worded, settings.repairs)])
         shown = m.SessionPlan(
             title=plan.title,
             panels=plan.panels,
@@ -521,6 +524,11 @@ class ConsoleState:
         """The label of the action called `name`, or the name itself."""
         action = self.action(name)
         return action.label if action is not None else name
+
+    def title(self, panel: PanelView) -> str:
+        """What the screen calls a panel."""
+        typed = all(each.name.startswith(TYPED_NAME) for each in panel.actions)
+        return say("panels.typed", "Typed") if panel.title == TYPED and typed else panel.title
 
     def heading(self, phase: str) -> str:
         """What the screen calls a phase."""
@@ -704,9 +712,17 @@ class _Button:
     calls: Sequence[GatedCall] = ()
 
 
+def _worded(action: ActionView) -> ActionView:
+    """An action whose label stands in no file, in the language of the screen."""
+    if not action.code:
+        return action
+    label = inner_text({"code": action.code, "text": action.label})
+    return msgspec.structs.replace(action, label=str(label))
+
+
 def _decoded(lines: Iterable[msgspec.Raw]) -> list[m.Message]:
     found: list[m.Message] = []
     for raw in lines:
         with contextlib.suppress(WireError):  # a newer host's message: not for this version
-            found.append(decode_message(bytes(raw)))
+            found.append(worded(decode_message(bytes(raw))))
     return found

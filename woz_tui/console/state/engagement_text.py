@@ -9,7 +9,7 @@ from typing import NamedTuple
 from rich.cells import cell_len
 
 from woz_tui.config.engagement_words import CONDITION, MODES, SIGNS
-from woz_tui.config.screen_language import say, word
+from woz_tui.config.screen_language import inner_text, say, word
 from woz_tui.console.drawing.cells import Piece, Row, clean, fit
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.drawing.meter_rows import hidden_word
@@ -18,6 +18,7 @@ from woz_tui.console.state.engagement import EngagementView
 from woz_tui.console.state.view_models import READING_WORDS
 from woz_tui.console.state.wizard_overrides import SIGN_NAMES
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.requesters import OF_WIZARD
 from woz_tui.protocol.sentence import Sentence
 from woz_tui.sensing.sample_values import zone
 from woz_tui.session.redactor import COARSE, KEPT
@@ -56,6 +57,8 @@ USUAL_ATTENTION = MODES[2]
 _SHORT_CELLS = 12
 #: What is not known of identities, as the model calls it.
 _UNKNOWN = ("", "Unknown")
+#: The reasons of changes by somebody's hand.
+_BY_HAND = frozenset({"why.forced_by", "why.stepped_by"})
 #: How a change by the wizard's hand begins in the log.
 _HAND = re.compile(r"^(forced|stepped) by the wizard( \([^)]*\))?: ")
 #: And one by somebody else's.
@@ -325,13 +328,29 @@ def condition_row(
 
 
 def change_reason(change: m.EngagementChanged) -> str:
-    """Why it changed, without who did it in front: for lines that have a mark for that."""
-    return _HAND.sub("", change.why) if change.forced else change.why
+    """Why it changed, without that the wizard did it in front: for lines that have a mark for
+    that.
+    """
+    if forced_by_another(change) or not change.forced:
+        return change.why
+    hand = _hand(change)
+    return str(inner_text(hand["why"])) if "why" in hand else _HAND.sub("", change.why)
 
 
 def forced_by_another(change: m.EngagementChanged) -> bool:
     """Whether not the wizard's hand but a program's or a re-run's has moved the model."""
+    by = _hand(change).get("by")
+    if isinstance(by, dict):
+        return not str(by.get("code")).startswith(OF_WIZARD)
     return change.forced and _OTHER_HAND.match(change.why) is not None
+
+
+def _hand(change: m.EngagementChanged) -> Mapping[str, object]:
+    """By whom it was moved by hand, and why, as code and values; nothing where it was not, or where
+    the log does not say codes.
+    """
+    told = change.wording.get("why")
+    return told.values if told is not None and told.code in _BY_HAND else {}
 
 
 def visitor_code(shown: m.EngagementShown) -> str:

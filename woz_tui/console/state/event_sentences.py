@@ -24,7 +24,7 @@ from woz_tui.console.state.view_models import SENSOR_STATES, DriverView
 from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView
-from woz_tui.protocol.requesters import WATCHER
+from woz_tui.protocol.requesters import END_REASONS, WATCHER
 from woz_tui.protocol.sentence import Sentence
 from woz_tui.timeline.session_state import SessionState
 
@@ -178,13 +178,18 @@ class EventLine:
             self.detail = ": ".join(filter(None, (self.asker, outcome.reason)))
 
 
+def end_word(reason: str) -> str:
+    """Why a session ended; words that somebody wrote as they are."""
+    return word(END_REASONS.get(reason, reason))
+
+
 def _simple_line(message: m.Message, whose: str, who: str) -> EventLine | None:
     """Of a message whose line needs nothing but its fields. `whose`: its driver as the screen calls
     it; `who`: the other console that asked.
     """
     match message:
         case m.SessionEnd():
-            return EventLine("info", say("events.ended", "Session ended"), message.reason)
+            return EventLine("info", say("events.ended", "Session ended"), end_word(message.reason))
         case m.DriverConnecting():
             text = say("events.connecting", "{driver} connecting", driver=whose)
             return EventLine("driver", text, message.detail)
@@ -517,9 +522,7 @@ def _reloaded(message: m.ExperimentReloaded, shown: EventContext) -> EventLine:
 def _study_line(message: m.Message) -> EventLine | None:
     match message:
         case m.ConditionsAssigned():
-            how = message.method
-            if how == "hand":
-                how = say("events.chosen_by_hand", "chosen by hand")
+            how = method_word(message.method)
             order = f"{message.participant}: {', '.join(message.order)}"
             return EventLine("info", order, ", ".join(filter(None, (how, message.why))))
         case m.TrialStarted():
@@ -581,6 +584,19 @@ def _study_line(message: m.Message) -> EventLine | None:
     return None
 
 
+#: How an order of conditions came about, in a word.
+_METHODS: Mapping[str, Sentence] = {
+    "latin-square": Sentence("events.latin_square", "latin-square"),
+    "blocks": Sentence("events.blocks", "blocks"),
+    "fixed": Sentence("events.fixed", "fixed"),
+    "hand": Sentence("events.chosen_by_hand", "chosen by hand"),
+}
+
+
+def method_word(method: str) -> str:
+    return word(_METHODS.get(method, method))
+
+
 def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
     line = _study_line(message)
     if line is None:
@@ -595,10 +611,21 @@ def _of_study(message: m.Message, shown: EventContext) -> EventLine | None:
     return line
 
 
+#: Why a console is not there any more, in a word.
+_LOSSES: Mapping[str, Sentence] = {
+    "left": Sentence("events.left_by_itself", "left"),
+    "closed": Sentence("events.closed", "closed"),
+    "silent": Sentence("events.silent", "silent"),
+    "taken over": Sentence("events.taken_over", "taken over"),
+}
+
+
 def _lost(message: m.ConsoleLost, shown: EventContext) -> EventLine:
     who = f"{role_word(message.role)} {message.part}".rstrip()
     return EventLine(
-        "warning", say("events.disconnected", "{who} disconnected", who=who), message.why
+        "warning",
+        say("events.disconnected", "{who} disconnected", who=who),
+        word(_LOSSES.get(message.why, message.why)),
     )
 
 

@@ -8,24 +8,16 @@ from collections.abc import Collection, Iterable, Mapping
 from woz_tui.config.screen_language import say, word
 from woz_tui.console.drawing.cells import Row, clean, length
 from woz_tui.console.drawing.glyphs import Glyphs
-from woz_tui.protocol.sentence import Sentence
+from woz_tui.protocol.requesters import STOP_SOURCES
 from woz_tui.system.text_cleaning import elapsed
 from woz_tui.timeline.episodes import StopEpisode
 
 Parts = Mapping[str, Iterable[str]]
 
-#: What presses a stop, where it is no person with a name.
-_SOURCES: Mapping[str, Sentence] = {
-    "key": Sentence("stop.by_key", "key"),
-    "voice": Sentence("stop.by_voice", "voice"),
-    "program": Sentence("stop.by_program", "program"),
-    "console-lost": Sentence("stop.by_lost_console", "console-lost"),
-}
-
 
 def stop_source(source: str) -> str:
     """What pressed a stop, in a word."""
-    return word(_SOURCES.get(source, source))
+    return word(STOP_SOURCES.get(source, source))
 
 
 def short_names(drivers: Iterable[str]) -> dict[str, str]:

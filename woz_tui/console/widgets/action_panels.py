@@ -371,7 +371,8 @@ def _title(state: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> 
     whose = clean(state.played_by(panel))
     if whose:
         whose = f" {glyphs.middle} {fit_most(whose, max(WORDS, width // 3), glyphs.ellipsis)}"
-    room = width - 3 - cell_len(clean(panel.title)) - cell_len(whose)
+    title = state.title(panel)
+    room = width - 3 - cell_len(clean(title)) - cell_len(whose)
     continued = say("panels.continued", "continued")
     note = f" {continued}" if slot.again else ""
     if state.is_locked(panel):  # with the key that opens it, where there is one and room
@@ -382,9 +383,9 @@ def _title(state: ConsoleState, slot: Slot, frame: PaintFrame, chosen: bool) -> 
             told.insert(0, say("panels.opens_it", "locked, {key} opens it", key=opener))
         note = next((f" {each}" for each in told if cell_len(each) < room), f" {told[-1]}")
     note += whose
-    if slot.again and cell_len(clean(panel.title)) > width - 3 - cell_len(note):
+    if slot.again and cell_len(clean(title)) > width - 3 - cell_len(note):
         note = note.replace(continued, glyphs.ellipsis)  # rather than half a title
-    title = fit_most(panel.title, width - 2 - cell_len(note) - 1, glyphs.ellipsis)
+    title = fit_most(title, width - 2 - cell_len(note) - 1, glyphs.ellipsis)
     used = 2 + cell_len(title) + cell_len(note)
     rule = glyphs.rule * max(0, width - used - 1)
     return ((mark, "title"), (title, "title"), (note, "muted"), (" ", "plain"), (rule, "faint"))

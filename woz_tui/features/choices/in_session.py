@@ -58,7 +58,8 @@ class ChoicesInSession(PerformingFeature):
         choice = CHOICES.called(self.session.experiment, name)
         if choice is None:
             raise RejectedError(
-                f"there is no choice {name!r}", "add it to the file: choices: [...]"
+                Sentence("choices.no_choice", "there is no choice {name!r}", name=name),
+                Sentence("choices.add", "add it to the file: choices: [...]"),
             )
         self._end("replaced")
         self._choice = choice

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from woz_tui.features.questionnaires.kinds import QuestionnaireStarted
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.replay.bookmarks import Bookmark, FeatureBookmarks
 
 
 def _asked(message: QuestionnaireStarted, t: int) -> Bookmark:
-    return Bookmark(t, "questionnaire", f"questionnaire {message.questionnaire}")
+    text = Sentence("replay.asked", "questionnaire {name}", name=message.questionnaire)
+    return Bookmark(t, "questionnaire", text)
 
 
 BOOKMARKS = FeatureBookmarks({QuestionnaireStarted: _asked})

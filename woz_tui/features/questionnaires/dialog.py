@@ -9,6 +9,7 @@ from textual.app import ComposeResult
 from textual.content import Content
 from textual.widget import Widget
 
+from woz_tui.config.languages import NAMES
 from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row, clean
 from woz_tui.console.screens.choice import ChoiceDialog, ListChoice
@@ -130,7 +131,9 @@ class LanguageDialog(ChoiceDialog):
         """The languages of the file, that of the experiment first."""
         one = questionnaires_of(self.state).called(self._asked)
         codes = [one.language, *(each.language for each in one.versions)] if one else []
-        return [ListChoice(Content(code), partial(self._put, code)) for code in codes]
+        return [
+            ListChoice(Content(NAMES.get(code, code)), partial(self._put, code)) for code in codes
+        ]
 
 
 def _ask(app: ConsoleApp, name: str, *, here: bool = True, given: str = "") -> None:

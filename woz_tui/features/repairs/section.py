@@ -22,6 +22,7 @@ from woz_tui.config.session_verbs import WAIT
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
 from woz_tui.drivers.fields import Doc, OneOf, ReadApart
+from woz_tui.protocol.sentence import Sentence
 
 #: The panel of these actions in the log.
 PANEL = "Repairs"
@@ -29,14 +30,14 @@ SAY = "say"
 REPEAT, REWORD, INTERRUPT = "repair repeat", "repair reword", "repair interrupt"
 #: What stands on the screen.
 LABELS: Mapping[str, str] = {
-    REPEAT: "repeat",
-    REWORD: "reword",
-    "repair filler": "filler",
-    "repair yes": "yes",
-    "repair no": "no",
-    "repair dont_know": "don't know",
-    "repair please_repeat": "again?",
-    INTERRUPT: "interrupt",
+    REPEAT: Sentence("repairs.repeat", "repeat"),
+    REWORD: Sentence("repairs.reword", "reword"),
+    "repair filler": Sentence("repairs.filler", "filler"),
+    "repair yes": Sentence("repairs.says_yes", "yes"),
+    "repair no": Sentence("repairs.says_no", "no"),
+    "repair dont_know": Sentence("repairs.dont_know", "don't know"),
+    "repair please_repeat": Sentence("repairs.please_repeat", "again?"),
+    INTERRUPT: Sentence("repairs.interrupt", "interrupt"),
 }
 #: Repairs that have a sentence.
 SPOKEN = ("filler", "yes", "no", "dont_know", "please_repeat")

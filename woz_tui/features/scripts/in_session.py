@@ -91,6 +91,7 @@ class ScriptState:
                 Sentence(
                     "scripts.has_lines",
                     "the script has {count} lines",
+                    one="the script has 1 line",
                     count=len(self.lines),
                 )
             )

@@ -12,6 +12,7 @@ import msgspec
 from woz_tui.features.study.counterbalancing import Order, block_size, order_at, planned, rows
 from woz_tui.features.study.design import Design
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence, wording_of
 from woz_tui.timeline.feature_history import FeatureHistory, Owed
 
 
@@ -66,9 +67,10 @@ class ConditionProposal:
 
     def data(self) -> dict[str, Json]:
         """The fields of the reply to a `proposal`."""
-        data: dict[str, Json] = msgspec.to_builtins(replace(self, owed={}))
+        data: dict[str, Json] = msgspec.to_builtins(replace(self, owed={}), enc_hook=str)
         del data["participant"], data["over"], data["owed"]
-        return data
+        wording = wording_of({"why": self.why})
+        return {**data, "wording": msgspec.to_builtins(wording)} if wording else data
 
 
 @dataclass(frozen=True)
@@ -112,11 +114,22 @@ def propose(
     own = next((each for each in past if each.participant == participant and each.method), None)
     if own is not None and used.fits(own.order):
         trials = planned(design, conditions)
-        why = f"{participant} continues with their own order: {own.over} of {trials} trials done"
+        why = Sentence(
+            "study.own_order",
+            "{participant} continues with their own order: {over} of {trials} trials done",
+            participant=participant,
+            over=own.over,
+            trials=trials,
+        )
         return _proposal(own, design, why)
     row, why = _free(used)
     if own is not None:
-        why += f"; the earlier order of {participant} does not fit the present design"
+        why = Sentence(
+            "study.order_unfit",
+            "{why}; the earlier order of {participant} does not fit the present design",
+            why=why,
+            participant=participant,
+        )
     order = order_at(design, conditions, row)
     return _proposal(ParticipantHistory(participant, order, design.order, row), design, why)
 
@@ -139,22 +152,33 @@ def _proposal(past: ParticipantHistory, design: Design, why: str) -> ConditionPr
     )
 
 
-def _free(used: DesignUsage) -> tuple[int, str]:
+def _free(used: DesignUsage) -> tuple[int, Sentence]:
     """The row least used so far, the lowest of several; and why."""
     times = used.times()
     if used.design.order == "blocks" and used.conditions:
         row = next(row for row in range(len(times) + 1) if not times[row])
         size = block_size(used.design, used.conditions)
-        return (
-            row,
-            f"place {row % size + 1} of {size} in block {row // size + 1}: the first free one",
+        return row, Sentence(
+            "study.free_place",
+            "place {place} of {size} in block {block}: the first free one",
+            place=row % size + 1,
+            size=size,
+            block=row // size + 1,
         )
-    count = len(rows(used.design, used.conditions))
-    row = min(range(count), key=lambda each: (times[each], each))
-    if count == 1:
-        return row, f"all participants have the order of the file ({_people(times[row])} so far)"
-    return row, f"row {row + 1} of {count}: least used so far ({_people(times[row])})"
-
-
-def _people(count: int) -> str:
-    return f"{count} participant{'' if count == 1 else 's'}"
+    known = len(rows(used.design, used.conditions))
+    row = min(range(known), key=lambda each: (times[each], each))
+    if known == 1:
+        return row, Sentence(
+            "study.one_order",
+            "all participants have the order of the file ({count} participants so far)",
+            one="all participants have the order of the file (1 participant so far)",
+            count=times[row],
+        )
+    return row, Sentence(
+        "study.least_used",
+        "row {row} of {rows}: least used so far ({count} participants)",
+        one="row {row} of {rows}: least used so far (1 participant)",
+        row=row + 1,
+        rows=known,
+        count=times[row],
+    )

@@ -95,8 +95,13 @@ class TrialController(SessionFeature):
         found = self._earlier.read(experiment.title, experiment.path.name, self.state.settings)
         proposal = propose(participant, design, experiment.conditions, found.past)
         if found.unreadable:
-            left_out = f"; not counted because they cannot be read: {', '.join(found.unreadable)}"
-            proposal = replace(proposal, why=proposal.why + left_out)
+            why = Sentence(
+                "study.unreadable",
+                "{why}; not counted because they cannot be read: {logs}",
+                why=proposal.why,
+                logs=", ".join(found.unreadable),
+            )
+            proposal = replace(proposal, why=why)
         self._proposed[participant] = proposal
         return proposal
 
@@ -131,7 +136,9 @@ class TrialController(SessionFeature):
                 order=order,
                 method=as_proposed.method if as_proposed else BY_HAND,
                 row=as_proposed.row if as_proposed else -1,
-                why=as_proposed.why if as_proposed else f"chosen by {by}",
+                why=as_proposed.why
+                if as_proposed
+                else Sentence("study.chosen_by", "chosen by {by}", by=by),
                 trials=design.trials,
                 over=[*as_proposed.over] if as_proposed else [],
             )

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from woz_tui.config.screen_language import say
+from woz_tui.config.screen_language import say, worded_data
 from woz_tui.console.drawing.cells import Row
 from woz_tui.console.drawing.glyphs import Glyphs
 from woz_tui.console.screens.dialog import content, refusal_text
 from woz_tui.console.screens.start import ConditionButton, StartDialog
+from woz_tui.console.state.event_sentences import method_word
 from woz_tui.features.study.kinds import AskAssign, AskProposal
 from woz_tui.features.study.trial_dialog import order_row
 from woz_tui.protocol.requests import AskSet, Reply
@@ -33,7 +34,7 @@ class ProposedOrder:
 
 def proposal_of(data: object) -> ProposedOrder | None:
     """As a reply tells it; None where it tells none."""
-    match data:
+    match worded_data(data):
         case {"order": [*order], **more} if order:
             trial, row = more.get("trial"), more.get("row")
             return ProposedOrder(
@@ -49,7 +50,7 @@ def proposal_of(data: object) -> ProposedOrder | None:
 
 def proposal_rows(proposal: ProposedOrder, glyphs: Glyphs) -> list[Row]:
     """The order with the present one marked, what comes next, and why."""
-    told = ", ".join(part for part in (proposal.method, proposal.why) if part)
+    told = ", ".join(part for part in (method_word(proposal.method), proposal.why) if part)
     return [
         (
             (f"{say('study.proposed', 'Proposed')}  ", "muted"),

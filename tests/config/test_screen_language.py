@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import string
-from collections.abc import Iterator
+from argparse import ArgumentParser
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
 
 from tools.screen_sentences import SentencesError, sentences
+from woz_tui.cli.shared_options import add_language
 from woz_tui.config import screen_language
 from woz_tui.config.screen_language import (
     catalogue,
@@ -31,6 +33,8 @@ from woz_tui.protocol.sentence import Sentence
 
 #: Languages that lack nothing.
 WHOLE = ("de",)
+#: What is said alike of one in every language, or of many alone.
+ALIKE = ("bus.queue_full", "gate.many_wait", "host.no_voice_piece", "say.more")
 #: A line of a small terminal.
 COLUMNS = 80
 
@@ -53,15 +57,56 @@ def test_a_whole_language_lacks_no_sentence_and_has_no_other(code: str) -> None:
     assert {*catalogue(code)} == {*sentences()}
 
 
+def _other_values(name: str, text: str, english: Mapping[str, str]) -> bool:
+    """Whether a translation has not the values of its English, or there is no such sentence: in the
+    form for one `count` may stand or not, and all else is as in the other form.
+    """
+    if name not in english:
+        return True
+    of_many, is_one = english.get(name.removesuffix("_one"), ""), name.endswith("_one")
+    if is_one and "count" in _filled_in(of_many):
+        wanted, there = _filled_in(of_many), _filled_in(text)
+        return {**wanted, "count": ""} != {**there, "count": ""}
+    return _filled_in(text) != _filled_in(english[name])
+
+
 @pytest.mark.parametrize("code", [code for code in shipped() if code != "en"])
 def test_no_translation_loses_a_value(code: str) -> None:
-    english, there = sentences(), catalogue(code)
-    differ = {
-        name
-        for name in there
-        if _filled_in(there[name]) != _filled_in(english[name]) and not name.endswith("_one")
+    english = sentences()
+    assert not {
+        name for name, text in catalogue(code).items() if _other_values(name, text, english)
     }
-    assert not differ
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("queue.waits", "{count} warten"),
+        ("queue.waits", "{count} warten bis {Zeit}"),
+        ("queue.waits", "{count} warten bis {time:.1f}"),
+        ("queue.waits_one", "eins wartet"),
+        ("queue.waits_one", "{number} wartet bis {time}"),
+        ("queue.only_one", "eine"),
+        ("queue.unknown", "das gibt es nicht"),
+    ],
+)
+def test_a_value_that_is_lost_is_found(name: str, text: str) -> None:
+    english = {
+        "queue.waits": "{count} wait until {time}",
+        "queue.waits_one": "1 waits until {time}",
+        "queue.only": "some",
+        "queue.only_one": "one of {names}",
+    }
+    assert _other_values(name, text, english)
+    assert not any(_other_values(each, english[each], english) for each in english)
+    assert not _other_values("queue.waits_one", "{count} wartet bis {time}", english)
+
+
+def test_what_is_counted_has_a_form_for_one() -> None:
+    english = sentences()
+    counted = {name for name, text in english.items() if "count" in _filled_in(text)}
+    alike = {name for name in counted if not name.endswith("_one") and f"{name}_one" not in english}
+    assert alike == {*ALIKE}
 
 
 @pytest.mark.parametrize("code", [code for code in shipped() if code != "en"])
@@ -70,7 +115,7 @@ def test_what_fits_on_a_line_in_english_fits_on_one(code: str) -> None:
     assert not {
         name: text
         for name, text in there.items()
-        if len(english[name]) <= COLUMNS // 2 and len(text) > COLUMNS
+        if len(english.get(name, "")) <= COLUMNS // 2 and len(text) > COLUMNS
     }
 
 
@@ -197,3 +242,34 @@ def test_why_driving_ended_is_worded_too() -> None:
     use("de")
     assert worded(came).source == "die Konsole der Versuchsleitung antwortet nicht"  # type: ignore[attr-defined]
     assert worded(m.StopPressed(source="key")).source == "key"
+
+
+@pytest.fixture
+def klingon(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The file of a language that somebody brings."""
+    monkeypatch.setattr(screen_language, "FOLDER", tmp_path)
+    catalogue.cache_clear()
+    yield tmp_path / "tlh.yaml"
+    catalogue.cache_clear()
+
+
+def test_what_is_no_text_in_a_file_is_english(klingon: Path) -> None:
+    klingon.write_text('app:\n  dark: no\n  light: 3\n  or: " ghap "\nqueue:\n42:\n  a: b\n')
+    use("tlh")
+    said = [say("app.dark", "dark"), say("app.light", "light"), say("app.or", " or ")]
+    assert said == ["dark", "light", " ghap "]
+
+
+def test_a_file_that_is_no_yaml_says_where_to_whoever_asks_for_it(
+    klingon: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    klingon.write_text("app:\n  dark: Hurgh\n  light: wov: qar\n")
+    parser = ArgumentParser()
+    add_language(parser)
+    with pytest.raises(SystemExit):
+        parser.parse_args(["--language", "tlh"])
+    told = capsys.readouterr().err
+    assert "tlh.yaml" in told
+    assert "line 3" in told
+    use("tlh")  # as the experiment's language
+    assert say("app.dark", "dark") == "dark"

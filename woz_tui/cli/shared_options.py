@@ -120,11 +120,19 @@ def add_language(parser: ArgumentParser) -> None:
 
 
 def _screen_language(code: str) -> str:
-    from woz_tui.config.screen_language import shipped  # noqa: PLC0415 - few choose one
+    from woz_tui.config.screen_language import (  # noqa: PLC0415 - few choose one
+        LanguageFileError,
+        catalogue,
+        shipped,
+    )
 
     known = shipped()
     if code and code not in known:  # argparse reads the default by this, too
         raise ArgumentTypeError(f"the screen does not speak {code!r}; there are {', '.join(known)}")
+    try:
+        catalogue(code)
+    except LanguageFileError as error:
+        raise ArgumentTypeError(str(error)) from error
     return code
 
 

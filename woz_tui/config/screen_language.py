@@ -33,6 +33,10 @@ _used: dict[str, str] = {}
 _asked_for: list[str] = []
 
 
+class LanguageFileError(ValueError):
+    """A language's file cannot be read; the text says where it is wrong."""
+
+
 def shipped() -> tuple[str, ...]:
     """Codes of the languages that the screen can speak."""
     return tuple(sorted(path.stem for path in FOLDER.glob("*.yaml")))
@@ -50,24 +54,37 @@ def of_environment(variables: Mapping[str, str] = os.environ) -> str:
 
 @cache
 def catalogue(code: str) -> Catalogue:
-    """The sentences of a language; none of one that is not there."""
+    """The sentences of a language; none of one that is not there. What is no text is left out.
+
+    Raises:
+        LanguageFileError: The file is no YAML.
+    """
     path = FOLDER / f"{code}.yaml"
     if code == ENGLISH or not path.is_file():
         return {}
     import yaml  # noqa: PLC0415 - a screen in English needs none
 
-    sections = yaml.load(path.read_text("utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    try:
+        sections = yaml.load(path.read_text("utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise LanguageFileError(f"{path}: {error}") from error
     return {
         f"{section}.{name}": text
-        for section, sentences in sections.items()
-        for name, text in sentences.items()
+        for section, sentences in (sections if isinstance(sections, dict) else {}).items()
+        for name, text in (sentences if isinstance(sentences, dict) else {}).items()
+        if isinstance(text, str)
     }
 
 
 def use(code: str) -> None:
-    """From here on this program words its sentences in this language."""
+    """From here on this program words its sentences in this language; in English, if its file
+    cannot be read.
+    """
     _used.clear()
-    _used.update(catalogue(code))
+    try:
+        _used.update(catalogue(code))
+    except LanguageFileError as error:
+        log.warning("the screen is English: %s", error)
 
 
 def choose(code: str) -> None:

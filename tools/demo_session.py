@@ -22,6 +22,8 @@ from tools import EXPERIMENTS
 from woz_tui.config.loading import load
 from woz_tui.drivers.contract import Driver, DriverContext
 from woz_tui.features.phases.in_session import PhaseController
+from woz_tui.features.questionnaires.in_session import QuestionnaireController
+from woz_tui.features.questionnaires.kinds import AskAnswer
 from woz_tui.features.scripts.in_session import ScriptController
 from woz_tui.features.study.in_session import TrialController
 from woz_tui.gate.questions import RequestOrigin
@@ -120,6 +122,43 @@ def ticked(session: Session) -> None:
         session.tick(item.check, ok=True, text="", source="wizard")
 
 
+def assigned(session: Session) -> None:
+    """The participant gets the conditions as the design proposes them."""
+    study = session.features.of(TrialController)
+    study.assign("P07", [*study.propose("P07").order])
+
+
+def asked(session: Session) -> None:
+    """The study's questionnaire is begun, and its first question answered."""
+    questionnaires = session.features.of(QuestionnaireController)
+    questionnaires.begin_or_end("eindruck", "begin", "wizard", given="self")
+    questionnaires.answer(AskAnswer(questionnaire="eindruck", item="angenehm", value=6))
+
+
+#: A German study: the guide shows the whale in the first trial.
+GERMAN_FILE = Path(__file__).with_name("german_session.yaml")
+GERMAN: tuple[Step, ...] = (
+    (0.5, assigned),
+    (1.0, lambda session: session.features.of(TrialController).trial("begin", "")),
+    (3.0, space),
+    (9.0, space),
+    (16.0, play("froh")),
+    (18.0, space),
+    (27.0, lambda session: session.mark("", "key")),
+    (29.0, play("Ja")),
+    (30.0, lambda session: session.note("zögert vor der Karte")),
+    (32.0, play("repair filler")),
+    (36.0, space),
+    (37.8, play("Umsehen")),
+)
+GERMAN_MOMENT = 38.6
+GERMAN_STOPPED: tuple[Step, ...] = (
+    *GERMAN,
+    (GERMAN_MOMENT - 0.1, lambda session: session.stop("key")),
+)
+GERMAN_ASKED: tuple[Step, ...] = (*GERMAN[:-2], (GERMAN_MOMENT - 1, asked))
+GERMAN_BEGIN: tuple[Step, ...] = ((1.0, play("Umsehen")), (20.0, play("Nicken")))
+
 #: An interview: the participant asks something at 26 s that no line answers.
 INTERVIEW: tuple[Step, ...] = (
     (0.5, ticked),
@@ -135,13 +174,15 @@ INTERVIEW_MOMENT = 28.4
 GUIDE_MOMENT = 171.4
 WARM = SessionIdentity(participant="P07", condition="warm", wizard="W2", seed=7)
 TALKING = SessionIdentity(participant="P01", condition="empathic", wizard="W2", seed=7)
+NAMED = SessionIdentity(participant="P07", wizard="W2", seed=7)
+UNNAMED = SessionIdentity(wizard="W2", seed=7)
 ALONE = SessionIdentity(participant="G01", condition="alone", wizard="W2", seed=7)
 
 
 def demo(
     steps: tuple[Step, ...],
     moment: float = MOMENT,
-    experiment: str = "demo",
+    experiment: str | Path = "demo",
     watch: Callable[[Session], None] = lambda session: None,
     who: SessionIdentity = WARM,
     *,
@@ -165,7 +206,8 @@ def demo(
         await session.close("drawn", rest=False)
 
     drivers = catalogue()
-    made = load(EXPERIMENTS / f"{experiment}.yaml", drivers)
+    file = EXPERIMENTS / f"{experiment}.yaml" if isinstance(experiment, str) else experiment
+    made = load(file, drivers)
     with tempfile.TemporaryDirectory() as folder:
         SessionRig(log or Path(folder), (), who, drivers, made).run(scenario)
     return told[0]

@@ -11,13 +11,16 @@ import asyncio
 import os
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from tests.console import bodies, scenes, study_scene
 from tests.console.scripted_feed import ScriptedFeed
 from tools import EXPERIMENTS, IMAGES, demo_session
+from woz_tui.config.loading import load
+from woz_tui.config.screen_language import use
 from woz_tui.console.app import Console
 from woz_tui.console.drawing.glyphs import ASCII, UNICODE
 from woz_tui.console.drawing.theme import Appearance
@@ -28,21 +31,27 @@ from woz_tui.console.replay.commands import ReplayKeyboard
 from woz_tui.drivers import plugins
 from woz_tui.features.move_editor.app import MoveEditorApp
 from woz_tui.features.move_editor.move_file import EditedFile
+from woz_tui.features.study.condition_proposal import propose
+from woz_tui.features.study.kinds import AskProposal
+from woz_tui.features.study.section import DESIGN
 from woz_tui.host.experiment_view import ExperimentView, plan_for_log
 from woz_tui.log.log_index import LogIndex
 from woz_tui.motion.render_target import RenderTarget
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.requests import Request, Welcome
+from woz_tui.protocol.requests import Reply, Request, Welcome
 from woz_tui.replay.opened_log import IndexedSamples
 from woz_tui.replay.player import ReplayPlayer, ReplayStart
 from woz_tui.replay.recording import Recording
+from woz_tui.session.participant_identity import SessionIdentity
 from woz_tui.session.session import Session
 from woz_tui.system.clock import ManualClock
 
 
 @dataclass(frozen=True)
 class Shot:
-    """One picture: its name and size, the scene, the look, keys pressed before it is taken."""
+    """One picture: its name and size, the scene, the look, keys pressed before it is taken, and the
+    language of the screen.
+    """
 
     name: str
     width: int
@@ -51,6 +60,7 @@ class Shot:
     look: Appearance = field(default_factory=lambda: Appearance(UNICODE))
     keys: tuple[str, ...] = ()
     colours: bool = True
+    language: str = "en"
 
 
 def demo() -> ScriptedFeed:
@@ -183,6 +193,37 @@ def stopped() -> ScriptedFeed:
     return feed
 
 
+def german(steps: tuple[demo_session.Step, ...], who: SessionIdentity) -> ScriptedFeed:
+    """A German study after these steps."""
+    file, moment = demo_session.GERMAN_FILE, demo_session.GERMAN_MOMENT
+    return _told(demo_session.demo(steps, moment, file, who=who))
+
+
+GERMAN = partial(german, demo_session.GERMAN, demo_session.NAMED)
+GERMAN_STOPPED = partial(german, demo_session.GERMAN_STOPPED, demo_session.NAMED)
+GERMAN_ASKED = partial(german, demo_session.GERMAN_ASKED, demo_session.NAMED)
+
+
+def german_begin() -> ScriptedFeed:
+    """Nobody has been entered yet; whoever is gets what the design proposes."""
+    feed = german(demo_session.GERMAN_BEGIN, demo_session.UNNAMED)
+    made = load(demo_session.GERMAN_FILE, demo_session.catalogue())
+    design = DESIGN.of(made)
+    assert design is not None
+    data = propose("P07", design, made.conditions, []).data()
+    feed.answers[AskProposal] = lambda asked, ref: Reply(ref=ref, ok=True, data=data)
+    return feed
+
+
+#: What is drawn of the German screen: key, scene, and keys that are pressed.
+GERMAN_SCENES: Mapping[str, tuple[Callable[[], MessageFeed], tuple[str, ...]]] = {
+    "main": (GERMAN, ()),
+    "participant": (german_begin, ("ctrl+t", "P", "0", "7")),
+    "stop": (GERMAN_STOPPED, ()),
+    "questionnaire": (GERMAN_ASKED, ("*", "q")),
+    "help": (GERMAN, ("?",)),
+}
+SIZES = ((80, 24), (160, 50))
 SHOTS = (
     Shot("console-80x24", 80, 24, demo),
     Shot("console-160x50", 160, 50, demo),
@@ -209,6 +250,11 @@ SHOTS = (
     Shot("light", 80, 24, demo, Appearance(UNICODE, "woz-light")),
     Shot("no-colour", 80, 24, working, Appearance(UNICODE, "woz-16"), colours=False),
     Shot("linux-console", 80, 24, working, Appearance(ASCII, "woz-16")),
+    *(
+        Shot(f"german-{name}-{width}x{height}", width, height, feed, keys=keys, language="de")
+        for name, (feed, keys) in GERMAN_SCENES.items()
+        for width, height in SIZES
+    ),
 )
 
 
@@ -217,6 +263,7 @@ async def shoot(shot: Shot, feed: MessageFeed, folder: Path) -> Path:
     os.environ.pop("NO_COLOR", None)
     if not shot.colours:
         os.environ["NO_COLOR"] = "1"
+    use(shot.language)
     clock = ManualClock()
     if isinstance(feed, _Still):
         console: Console = ReplayConsole(feed, ReplayKeyboard(feed), look=shot.look, clock=clock)

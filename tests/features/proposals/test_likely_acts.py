@@ -193,6 +193,32 @@ def test_a_file_that_wants_no_likely_actions_any_more_is_offered_none(
     assert rig.of(m.Done)
 
 
+@pytest.mark.parametrize(
+    "before", [None, Proposals(SuggestKeysOfFile(logs=True))], ids=["without", "with logs"]
+)
+def test_what_was_played_before_the_file_was_read_again_counts(
+    tmp_path: Path, before: Proposals | None
+) -> None:
+    """Whether the file wanted likely actions then or not, and while earlier sessions are read."""
+    for _ in range(3):
+        earlier(tmp_path, "Hello", "Map", "Welcome", "Go")
+
+    async def scenario(rig: SessionRig) -> None:
+        for name in ("Hello", "Map"):
+            rig.session.play(name, KEY)
+            await asyncio.sleep(3)
+        count = len(rig.of(SuggestOffered))
+        rig.session.adopt(learning(tmp_path), ["suggest"])
+        rig.session.play("Welcome", KEY)
+        while len(rig.of(SuggestOffered)) == count:  # noqa: ASYNC110 - a thread reads
+            await asyncio.sleep(0)
+
+    made = experiment(tmp_path)
+    made = replace(made, sections={**made.sections, PROPOSALS: before})
+    rig = SessionRig(tmp_path, made=made, stem="2026-03-01T10-00-00_P07_S09").run(scenario, 3)
+    assert lists(rig)[-1][0] == "Go"
+
+
 def test_the_robots_own_words_and_mistakes_do_not_count(tmp_path: Path) -> None:
     earlier(tmp_path, "Hello", "Map")
 

@@ -7,6 +7,7 @@ import logging
 from collections.abc import Callable, Mapping, Sequence
 
 from woz_tui.config.experiment import Action
+from woz_tui.features.proposals.history import ProposalHistory
 from woz_tui.features.proposals.ranker import Moment, Ranked, Ranker, words_of
 from woz_tui.features.proposals.section import SuggestKeysOfFile
 from woz_tui.features.scripts.history import ScriptHistory
@@ -35,9 +36,8 @@ class LikelyActs:
         self._session, self._offer = session, offer
         self._ranker: Ranker | None = None
         self._settings = SuggestKeysOfFile()
-        self._acts: dict[str, str] = {}
-        self._heard: list[int] | None = None
-        self._cue = ""
+        #: The acts behind which something was offered last.
+        self._seen: Sequence[str] = ()
         self._timer: asyncio.TimerHandle | None = None
         self._tasks = TaskSet("earlier sessions")
 
@@ -77,37 +77,23 @@ class LikelyActs:
         except Exception:
             log.exception("earlier sessions were not read")
             return
-        self.propose()
+        self._wait(self._settings.after if self._heard() else 0)
 
     # -- what happens ----------------------------------------------------------------------------
 
-    def act(self, message: m.ActionRequested) -> None:
-        """A wizard played something."""
-        if self._ranker is None:
-            return
-        self._acts[message.run] = message.action
-        self._heard, self._cue = None, ""
+    def act(self) -> None:
+        """A wizard played something, or a trial begins."""
         self._wait(0)
 
-    def forget(self, run: str) -> None:
-        """It was a mistake."""
-        if self._acts.pop(run, None) is not None:
+    def forget(self) -> None:
+        """Something was refused, or was a mistake."""
+        if self._acts() != self._seen:
             self._wait(0)
 
-    def hear(self, message: m.SpeechText) -> None:
-        """The visitor said something. Where the wizard must not read it, it counts for nothing."""
-        perception = self._session.state.study.settings.perception
-        if self._ranker is None or "transcript" in (*perception.hide, *perception.blur):
-            return
-        self._heard = [*(self._heard or ()), *words_of(message.text)]
-        self._cue = f"{message.driver}/{message.segment}"
-        self._wait(self._settings.after)
-
-    def begin_anew(self) -> None:
-        """A trial begins."""
-        self._acts.clear()
-        self._heard, self._cue = None, ""
-        self._wait(0)
+    def hear(self) -> None:
+        """The visitor said something."""
+        if self._heard():
+            self._wait(self._settings.after)
 
     def _wait(self, seconds: float | None) -> None:
         if self._timer is not None:
@@ -129,10 +115,32 @@ class LikelyActs:
             for action in panel.actions
             if not action.locked
         }
+        self._seen = self._acts()
         ranked = self._ranker.rank(self._moment(), allowed)[:SHOWN]
         likely = [one for one in ranked if one.share >= LEAST]
         if likely:
-            self._offer(likely, self._cue)
+            heard = self._heard()
+            self._offer(likely, f"{heard[-1].driver}/{heard[-1].segment}" if heard else "")
+
+    def _acts(self) -> list[str]:
+        """What people played in this trial."""
+        turns = self._session.state.history(ProposalHistory).turns
+        return [turn.action for turn in turns if isinstance(turn, m.ActionRequested)]
+
+    def _heard(self) -> Sequence[m.SpeechText]:
+        """The visitor's words since the last act. Where the wizard must not read them, they count
+        for nothing.
+        """
+        state = self._session.state
+        perception = state.study.settings.perception
+        if "transcript" in (*perception.hide, *perception.blur):
+            return ()
+        heard: list[m.SpeechText] = []
+        for turn in reversed(state.history(ProposalHistory).turns):
+            if not isinstance(turn, m.SpeechText):
+                break
+            heard.insert(0, turn)
+        return heard
 
     def _moment(self) -> Moment:
         session = self._session
@@ -141,11 +149,13 @@ class LikelyActs:
         scripts: Mapping[str, Sequence[str]] = SCRIPT.all_of(session.experiment)
         name = phase if phase in scripts else ""
         moved = state.history(ScriptHistory).moved.get(name)
+        acts = self._acts()
+        heard = [word for line in self._heard() for word in words_of(line.text)]
         return Moment(
-            before=[*self._acts.values()][-2:],
+            before=acts[-2:],
             phase=phase,
-            heard=None if self._heard is None else tuple(self._heard),
-            played=frozenset(self._acts.values()),
+            heard=tuple(heard) if self._heard() else None,
+            played=frozenset(acts),
             script=scripts.get(name, ()),
             position=moved.position if moved is not None else 0,
         )

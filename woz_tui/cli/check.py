@@ -41,6 +41,7 @@ from woz_tui.protocol.messages import Json
 from woz_tui.protocol.panels import covers_verb
 from woz_tui.sensing.engagement_summary import engagement_json, engagement_lines
 from woz_tui.session import study_summary
+from woz_tui.session.people_data import people_lines
 
 ERRORS = CommandErrors(who="woz check")
 #: Columns of a page that goes into a file or a pipe.
@@ -55,7 +56,7 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--all",
         action="store_true",
-        help="everything: keys, the robot's verbs and sensors, engagement, study",
+        help="everything: keys, the robot's verbs and sensors, engagement, study, people's data",
     )
     parser.add_argument(
         "--terminal",
@@ -130,7 +131,8 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
         }
         print(json.dumps(report, indent=2))
     else:
-        _print_experiment(experiment, keymap, terminal, layout, arguments)
+        people = people_lines(experiment, catalogue)
+        _print_experiment(experiment, keymap, terminal, layout, arguments, people=people)
     return 0
 
 
@@ -193,6 +195,8 @@ def _print_experiment(
     terminal: keys.Terminal,
     layout: str,
     arguments: Namespace,
+    *,
+    people: Iterable[tuple[str, str]],
 ) -> None:
     console = TextConsole(page=_PAGE)
     console.print(Text(experiment.title, style="bold"))
@@ -215,6 +219,7 @@ def _print_experiment(
             _print_section(console, "", verb_rows(engagement_verbs()))
         if study := [*study_summary.study_lines(experiment)]:
             _print_section(console, "study", _subject_rows(study))
+        _print_section(console, "people's data, for an ethics application", _subject_rows(people))
     if experiment.robot:
         console.print(robot_fit.action_table(experiment))
     warnings = [*map(str, experiment.warnings), *keymap.warnings]

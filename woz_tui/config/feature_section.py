@@ -172,6 +172,12 @@ class FeatureSection(Generic[S]):
         """What `woz check` says of it: subjects and sentences."""
         return ()
 
+    def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        """What becomes of people's data because of it (see `Driver.people_data`): pairs of
+        `LEAVES`, `KEPT` or `DECIDES` and a sentence.
+        """
+        return ()
+
     def as_json(self, experiment: Experiment) -> Mapping[str, Json]:
         """What `woz check --format json` says of it, beside what it says of the study."""
         return {}

@@ -412,6 +412,11 @@ class Finding:
     remedy: str = ""
 
 
+#: What is told of people's data (`Driver.people_data`): what leaves the computer of the session and
+#: whither, what is kept, who decides what a robot says.
+LEAVES, KEPT, DECIDES = "leaves", "kept", "decides"
+
+
 #: Stands in a `Written` command for what only the session knows: a participant's code, the trial.
 UNKNOWN = "\ufffc"
 
@@ -626,6 +631,13 @@ class Driver(Performer):
         Called for each command of its own when a file is read. It must not raise, write or wait; it
         may look at files. A finding's `subject` is the name of the argument that it is about. A
         `warning` lets the file pass, an `error` does not; others are not shown.
+        """
+        return ()
+
+    @classmethod
+    def people_data(cls, settings: Any) -> Iterable[tuple[str, str]]:
+        """What becomes of what people say and show with these settings, as an ethics board asks:
+        pairs of `LEAVES` or `KEPT` and a sentence. What the settings do not say is called that.
         """
         return ()
 

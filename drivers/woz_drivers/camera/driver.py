@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from woz_drivers.camera import doctor, frame_files
@@ -14,6 +14,7 @@ from woz_drivers.camera.picture_feed import PictureFeed
 from woz_drivers.camera.settings import CameraSettings
 from woz_drivers.programs.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
 from woz_tui.drivers.contract import (
+    KEPT,
     DriverContext,
     DriverError,
     DriverFacts,
@@ -68,6 +69,14 @@ class Camera(PassiveDriver):
         self._projector: asyncio.TimerHandle | None = None
         self._due = 0.0
         self._source: ByteStream | None = None
+
+    @classmethod
+    def people_data(cls, settings: Any) -> Iterable[tuple[str, str]]:
+        if settings.frames is None:
+            yield KEPT, "no pictures of anybody"
+        else:
+            since = "from the beginning" if settings.frames.at_once else "once somebody starts it"
+            yield KEPT, f"pictures, people on them, as files beside the log, {since}"
 
     @classmethod
     def offer(cls, settings: Any) -> Offer:

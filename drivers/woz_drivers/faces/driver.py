@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import statistics
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from woz_drivers.camera.picture_feed import PictureFeed, PictureMark
@@ -25,6 +25,7 @@ from woz_drivers.faces.settings import FacesSettings
 from woz_drivers.programs.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
 from woz_tui.drivers.contract import (
     FACE_CONSENT,
+    KEPT,
     LEARN_FACE,
     Argument,
     DeviceLostError,
@@ -101,6 +102,14 @@ class Faces(PassiveDriver):
         self._finder: ByteStream | None = None
         self._finder_trouble: DriverError | None = None
         self._line = b""
+
+    @classmethod
+    def people_data(cls, settings: Any) -> Iterable[tuple[str, str]]:
+        yield KEPT, "where faces are and whether they look here, in the log; no pictures"
+        if settings.identity:
+            yield KEPT, "of people who have consented: features of their faces, in a store beside"
+        else:
+            yield KEPT, "nobody's face is recognised (identity: false)"
 
     @classmethod
     def offer(cls, settings: Any) -> Offer:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -21,6 +21,8 @@ from woz_drivers.furhat.speech import FurhatSpeech
 from woz_tui.drivers import confirmed_stop
 from woz_tui.drivers.background import Background
 from woz_tui.drivers.contract import (
+    KEPT,
+    LEAVES,
     DeviceLostError,
     DriverContext,
     DriverFacts,
@@ -69,6 +71,12 @@ class Furhat(RobotOfParts[FurhatLink, FurhatSettings]):
         )
         super().__init__(name, settings, context, link, parts)
         self._settings_task = Background("reading what changes by itself", context)
+
+    @classmethod
+    def people_data(cls, settings: FurhatSettings) -> Iterable[tuple[str, str]]:
+        if settings.listening.on:
+            yield KEPT, "what people say, as the robot understands it, in the log"
+            yield LEAVES, "this file does not say which service the robot's own recogniser asks"
 
     @classmethod
     def offer(cls, settings: FurhatSettings) -> Offer:

@@ -5,7 +5,8 @@ from the microphone of a robot.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+import shlex
+from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,8 @@ from woz_drivers.microphone.transcriber import (
 from woz_drivers.programs.byte_stream import ByteStream, ChunkCutter, StreamCommand, StreamListener
 from woz_drivers.sound import pcm_audio, room_threshold
 from woz_tui.drivers.contract import (
+    KEPT,
+    LEAVES,
     SPEECH,
     SPEECH_TEXT,
     DeviceLostError,
@@ -102,6 +105,21 @@ class Microphone(PassiveDriver):
             pre_roll=settings.pre_roll,
             keep=settings.while_speaking == "keep",
         )
+
+    @classmethod
+    def people_data(cls, settings: Any) -> Iterable[tuple[str, str]]:
+        if settings.segments:
+            yield KEPT, "what people say, as sound: a WAV file of each utterance, beside the log"
+        else:
+            yield KEPT, "no sound of anybody (segments: false)"
+        program = settings.resident_transcriber or settings.transcribe
+        if program:
+            words = program if isinstance(program, str) else shlex.join(program)
+            yield KEPT, "what people say, as text, in the log"
+            yield (
+                LEAVES,
+                f"this file does not say whether `{words}`, which gets the sound, sends it on",
+            )
 
     @classmethod
     def offer(cls, settings: Any) -> Offer:

@@ -172,7 +172,7 @@ complete -c woz -n '_shtab_woz_using new; and test $_shtab_woz_npos -eq 0' -ka "
 complete -c woz -n '_shtab_woz_using; and test $_shtab_woz_npos -eq 0' -a check -d 'check an experiment file and show its keys'
 complete -c woz -n '_shtab_woz_using check' -s h -l help -d 'show this help message and exit'
 complete -c woz -n '_shtab_woz_using check' -l keys -d 'the table of keys, as the wizard'"'"'s terminal sends them'
-complete -c woz -n '_shtab_woz_using check' -l all -d 'everything: keys, the robot'"'"'s verbs and sensors, engagement, study'
+complete -c woz -n '_shtab_woz_using check' -l all -d 'everything: keys, the robot'"'"'s verbs and sensors, engagement, study, people'"'"'s data'
 complete -c woz -n '_shtab_woz_using check' -l terminal -xka "kitty linux plain screen tmux" -d 'the keys on this terminal (default: the one you use, by its environment)'
 complete -c woz -n '_shtab_woz_using check' -l layout -xka "de es fr gb us" -d 'the keys on this keyboard (default: the file'"'"'s)'
 complete -c woz -n '_shtab_woz_using check' -l robot -xka "(__fish_complete_path (commandline -ct))" -d 'what another robot than the file'"'"'s own does of each action: a robot file, the name of one, or a type; all: every robot there is a file of'

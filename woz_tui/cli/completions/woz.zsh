@@ -199,7 +199,7 @@ _shtab_woz_bundle_defaults_added=0
 _shtab_woz_check_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
   "--keys[the table of keys, as the wizard\'s terminal sends them]"
-  "--all[everything\: keys, the robot\'s verbs and sensors, engagement, study]"
+  "--all[everything\: keys, the robot\'s verbs and sensors, engagement, study, people\'s data]"
   "--terminal[the keys on this terminal (default\: the one you use, by its environment)]:terminal:(kitty linux plain screen tmux)"
   "--layout[the keys on this keyboard (default\: the file\'s)]:layout:(de es fr gb us)"
   "--robot[what another robot than the file\'s own does of each action\: a robot file, the name of one, or a type\; all\: every robot there is a file of]:NAME:_files"

@@ -23,7 +23,7 @@ from woz_tui.config.problems import quoted
 from woz_tui.config.reload_changes import changed_entries
 from woz_tui.config.session_verbs import own_verb
 from woz_tui.config.yaml_cursor import Cursor, check_different
-from woz_tui.drivers.contract import Argument
+from woz_tui.drivers.contract import DECIDES, KEPT, Argument
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, NotEmpty, Path, ReadApart
 
 #: In place of a choice's name: what is offered is taken away.
@@ -128,6 +128,12 @@ class ChoiceSection(FeatureSection[tuple[Choice, ...]]):
     def changes(self, old: tuple[Choice, ...], new: tuple[Choice, ...]) -> Iterable[str]:
         before, after = ({each.name: each for each in some} for some in (old, new))
         return changed_entries("choice", before, after)
+
+    def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        for choice in self.of(experiment):
+            yield KEPT, f"what participants choose of {choice.name}, in the log"
+            if plays := [each.plays for each in choice.options if each.plays]:
+                yield DECIDES, f"participants, by what they choose: {', '.join(plays)}"
 
     def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         for choice in self.of(experiment):

@@ -16,6 +16,7 @@ from woz_tui.config.feature_section import FeatureSection, FileContents
 from woz_tui.config.problems import quoted
 from woz_tui.config.reload_changes import changed_entries, changed_settings
 from woz_tui.config.yaml_cursor import Cursor, texts_of
+from woz_tui.drivers.contract import LEAVES
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, OneOf, Pattern, Seconds, Unique
 
 #: What of the log is sent only where the file says so.
@@ -120,6 +121,17 @@ class LslSection(FeatureSection[LslSettings | None]):
         takes = ({each.stream: each for each in some.take} for some in (old, new))
         alike = replace(old, take=new.take)
         return *changed_settings("lsl", alike, new), *changed_entries("stream", *takes)
+
+    def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        section = self.of(experiment)
+        if section is None:
+            return
+        shared = " and ".join(section.shares) or "no texts of people, conditions or codes"
+        sensors = f", {', '.join(section.sensors)}" if section.sensors else ""
+        yield (
+            LEAVES,
+            f"to every recorder of the lab's network, by `woz lsl`: events{sensors}, {shared}",
+        )
 
     def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         section = self.of(experiment)

@@ -18,6 +18,7 @@ from woz_tui.config.feature_section import FeatureSection, FileContents
 from woz_tui.config.problems import quoted
 from woz_tui.config.reload_changes import changed_settings
 from woz_tui.config.yaml_cursor import Cursor, texts_of
+from woz_tui.drivers.contract import LEAVES
 from woz_tui.drivers.fields import Doc, NotEmpty, OneOf, Path, Unique
 from woz_tui.features.page.visitors import PageRole
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES
@@ -121,6 +122,14 @@ class PageSection(FeatureSection[PageSettings | None]):
 
     def changes(self, old: PageSettings | None, new: PageSettings | None) -> Iterable[str]:
         return changed_settings("page", old, new)
+
+    def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        settings = self.of(experiment)
+        if settings is None:
+            return
+        how = "encrypted" if settings.certificate else "not encrypted"
+        seen = f", with pictures of {', '.join(settings.pictures)}" if settings.pictures else ""
+        yield LEAVES, f"to browsers at {settings.at}, {how}: {', '.join(settings.for_)}{seen}"
 
     def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         settings = self.of(experiment)

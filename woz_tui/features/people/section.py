@@ -21,6 +21,7 @@ from woz_tui.config.file_text import SourceFileError, read_source
 from woz_tui.config.problems import quoted
 from woz_tui.config.yaml_cursor import Cursor, texts_of
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, ScalarNode
+from woz_tui.drivers.contract import KEPT
 from woz_tui.features.slots.slot_value import SlotValueError, checked_value
 from woz_tui.protocol.envelope import Json
 
@@ -59,6 +60,11 @@ class PeopleSection(FeatureSection[ParticipantFields]):
             yield "fields of participants changed"
         if old.rows != new.rows:
             yield "the table of participants changed"
+
+    def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        if fields := self.of(experiment).fields:
+            told = (f"{name} ({', '.join(words) or TEXT})" for name, words in fields.items())
+            yield KEPT, f"of each participant: {', '.join(told)}, in the log"
 
     def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         known = self.of(experiment)

@@ -17,6 +17,7 @@ from woz_tui.config.problems import quoted
 from woz_tui.config.reload_changes import changed_entries, changed_settings
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import MappingNode
+from woz_tui.drivers.contract import DECIDES, KEPT, LEAVES
 from woz_tui.drivers.fields import Doc, NotBlank, OneOf, Pattern, Range, ReadApart, Seconds
 from woz_tui.features.proposals.addresses import host_of, is_local
 from woz_tui.features.proposals.halves import ALL, HALF
@@ -141,6 +142,27 @@ class ProposalSection(FeatureSection[Proposals | None]):
             *changed_entries("program", old.programs, new.programs),
         )
 
+    def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        section = self.of(experiment)
+        if section is None:
+            told = "programs that join (`woz mcp` too), by themselves; `programs:` changes that"
+            yield DECIDES, told
+            return
+        if (model := section.suggest.model) is not None:
+            sent = "its prompt and the last turns of the dialogue, each time a visitor has spoken"
+            if is_local(model.url):
+                yield LEAVES, f"not for the model of `woz suggest`, which is at {model.url}"
+            else:
+                yield LEAVES, f"to {host_of(model.url)}, by `woz suggest`: {sent}"
+            yield KEPT, "each request to the model and its whole answer, in the log"
+            yield DECIDES, "a wizard, of each sentence of the model, before it is said"
+        if section.suggest.logs:
+            told = "acts of earlier sessions with numbers in place of words, in the user's cache"
+            yield KEPT, told
+        for name, rights in section.programs.items():
+            yield DECIDES, _who_decides(name, rights, section.suggest.within)
+        yield DECIDES, "other programs that join, by themselves"
+
     def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         section = self.of(experiment)
         if section is not None and section.suggest.model is not None:
@@ -180,6 +202,13 @@ class ProposalSection(FeatureSection[Proposals | None]):
                 },
             }
         }
+
+
+def _who_decides(name: str, rights: ProgramRights, within: float) -> str:
+    if rights.plays is None:
+        return f"{name}, by itself: nobody approves what it does"
+    alone = f"; {', '.join(rights.plays)} it plays by itself" if rights.plays else ""
+    return f"a wizard, of what {name} asks for; no answer within {within:g} s is a no{alone}"
 
 
 def _rights(cursor: Cursor, contents: FileContents) -> ProgramRights | None:

@@ -25,6 +25,7 @@ from woz_tui.config.feature_section import FeatureSection, FileContents, FileSur
 from woz_tui.config.languages import DEFAULT, Language
 from woz_tui.config.reload_changes import changed_entries
 from woz_tui.config.yaml_cursor import Cursor, check_different, missing, read_filled
+from woz_tui.drivers.contract import KEPT
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, NotEmpty, OneOf, ReadApart
 from woz_tui.features.questionnaires.due import SUSPICION, WHENS
 from woz_tui.features.questionnaires.item_entries import (
@@ -166,6 +167,12 @@ class QuestionnaireSection(FeatureSection[Asked]):
 
     def schemas(self) -> Mapping[str, Any]:
         return {"name": {"type": "string", "pattern": f"^{NAME_PATTERN.pattern}$"}}
+
+    def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        for each in self.of(experiment).questionnaires:
+            private = [item.name for item in each.items if item.private]
+            apart = f"; in no export unless asked for: {', '.join(private)}" if private else ""
+            yield KEPT, f"answers to {each.name}, in the log{apart}"
 
     def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         return ((each.name, _in_words(each)) for each in self.of(experiment).questionnaires)

@@ -20,6 +20,7 @@ from woz_tui.config.reload_changes import changed_entries
 from woz_tui.config.robots import Robots
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import MappingNode
+from woz_tui.drivers.contract import KEPT
 from woz_tui.drivers.fields import Doc, Entry, OneOf, ReadApart, Unique
 from woz_tui.features.phases.section import PHASES
 from woz_tui.features.slots.slot_value import SlotValueError, checked_value
@@ -83,6 +84,11 @@ class SlotSection(FeatureSection[Slots]):
 
     def changes(self, old: Slots, new: Slots) -> Iterable[str]:
         return changed_entries("slot", old, new)
+
+    def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
+        for name, slot in self.of(experiment).items():
+            heard = ", also of a visitor's words" if slot.heard else ""
+            yield KEPT, f"what the slot {name} was filled with{heard}, in the log"
 
     def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         slots = self.of(experiment)

@@ -11,7 +11,7 @@ from typing import Any
 
 from aiohttp import web
 
-#: What it can do wrong.
+#: What it can do wrong; `503` beside: it says that it is not ready yet.
 FAULTS = ("cut", "hang", "429", "500", "slow", "megabyte", "no done", "wrong json", "list", "empty")
 
 
@@ -28,7 +28,7 @@ class ChatServer:
     async def answer(self, request: web.Request) -> web.StreamResponse:
         self.asked.append(await request.json())
         self.keys.append(request.headers.get("Authorization", ""))
-        if self.fault in ("429", "500"):
+        if self.fault in ("429", "500", "503"):
             return web.Response(status=int(self.fault))
         if self.fault == "hang":
             await self.released.wait()

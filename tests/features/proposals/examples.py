@@ -6,6 +6,7 @@ from tests.session.rig import with_section
 from woz_tui.config.experiment import Experiment
 from woz_tui.features.proposals.kinds import (
     AskDismiss,
+    AskModelState,
     AskModelTold,
     AskPropose,
     AskShown,
@@ -19,6 +20,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestRehearsed,
     SuggestSettings,
     SuggestShown,
+    SuggestState,
     SuggestTaken,
     SuggestTrial,
 )
@@ -73,10 +75,12 @@ PROPOSALS = (
         first_us=210_000,
         took_us=640_000,
         error="it took too long",
+        warm_up=True,
     ),
     SuggestShown(set="s00002", items=["1", "2"], after_us=41_000, console="con1"),
     SuggestTrial(trial=2, offered=False),
     SuggestRehearsed(cue="q0003", items=["Exhibit", "Hello"], fits=True),
+    SuggestState(how="failing", why="slow", model="small-q4", first_us=210_000),
 )
 REQUESTS = (
     AskTake(ref=61, set="s00001", item="1", text="It is a blue whale.", key="f9", age_us=800),
@@ -94,6 +98,7 @@ REQUESTS = (
         took_us=640_000,
         error="it took too long",
         given_up=True,
+        warm_up=True,
     ),
     AskPropose(
         ref=63,
@@ -104,6 +109,7 @@ REQUESTS = (
         cue="ear/3",
     ),
     AskShown(ref=66, set="s00002", items=["1", "2"]),
+    AskModelState(ref=67, how="failing", why="slow", model="small-q4", first_us=210_000),
 )
 
 

@@ -25,6 +25,7 @@ async def test_it_says_as_what_the_server_answers(tmp_path: Path) -> None:
         found = await asyncio.to_thread(findings, tmp_path, server.url)
         assert [each.level for each in found] == ["ok", "info"]
         assert found[0].text.startswith("answers as small-q4, version fp1, in 0.")
+        assert " s (first word after 0." in found[0].text
         assert "small was asked for" in found[1].text
         assert [each["content"] for each in server.asked[0]["messages"]] == ["Say yes."]
         server.fault = "500"
@@ -33,14 +34,16 @@ async def test_it_says_as_what_the_server_answers(tmp_path: Path) -> None:
         assert "WOZ_SUGGEST_KEY" in wrong.remedy
 
 
-async def test_one_that_has_only_just_loaded_its_model_is_told(
+async def test_one_that_is_too_slow_twice_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(doctor, "LIMIT_S", 0.0)
     async with chat_server() as server:
         (slow,) = await asyncio.to_thread(findings, tmp_path, server.url)
+        assert len(server.asked) == 2
     assert slow.level == "warning"
-    assert "ask once more" in slow.remedy
+    assert "the first time, when it may have been loading, in 0." in slow.text
+    assert "a smaller model" in slow.remedy
 
 
 def test_a_file_without_a_model_asks_nobody(tmp_path: Path) -> None:

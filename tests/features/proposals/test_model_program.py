@@ -6,7 +6,6 @@ import asyncio
 import hashlib
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,12 +13,13 @@ import pytest
 from tests.config.reading import HELLO, panel, read_experiment
 from tests.fakes.chat_server import FAULTS, ChatServer, chat_server
 from tests.host.rig import ServedSession, served_session
-from tests.session.rig import experiment
+from tests.session.rig import experiment, with_section
 from woz_tui.client import connect
 from woz_tui.features.proposals.chat import ChatAnswer, ChatClient, ChatError, sentences_of
 from woz_tui.features.proposals.command import KeyFileError, read_key
-from woz_tui.features.proposals.kinds import SuggestAsked, SuggestOffered
+from woz_tui.features.proposals.kinds import SuggestAsked, SuggestOffered, SuggestState
 from woz_tui.features.proposals.model_program import FAILURES, ModelProgram
+from woz_tui.features.proposals.model_state import WHY
 from woz_tui.features.proposals.section import (
     PROPOSALS,
     ModelSettings,
@@ -35,28 +35,51 @@ pytestmark = pytest.mark.real_clock
 async def asking(
     tmp_path: Path, limit: float = 2.5
 ) -> AsyncIterator[tuple[ServedSession, ChatServer]]:
+    """A session beside which `woz suggest` asks a model that is warm."""
+    async with starting(tmp_path, limit) as (host, server):
+        await host.until(lambda: "ready" in states(host))
+        server.asked.clear()
+        server.keys.clear()
+        yield host, server
+
+
+@asynccontextmanager
+async def starting(
+    tmp_path: Path, limit: float = 2.5, fault: str = ""
+) -> AsyncIterator[tuple[ServedSession, ChatServer]]:
+    """A session beside which `woz suggest` begins; `fault`: of the server then."""
     async with chat_server() as server:
+        server.fault = fault
         model = ModelSettings(url=server.url, name="small", prompt="Suggest.")
-        section = Proposals(SuggestKeysOfFile(model=model, after=0.0))
-        made = experiment(tmp_path)
-        made = replace(made, sections={**made.sections, PROPOSALS: section})
+        made = with_section(
+            experiment(tmp_path),
+            PROPOSALS,
+            Proposals(SuggestKeysOfFile(model=model, after=0.0)),
+        )
         async with (
             served_session(tmp_path, made=made) as host,
             connect(host.path, name="suggest", sees="wizard") as client,
         ):
-            told: list[str] = []
 
             def make(url: str, key: str) -> ChatClient:
                 return ChatClient(url, key, limit)
 
-            program = asyncio.create_task(ModelProgram(client, "secret", told.append, make).run())
+            run = ModelProgram(client, "secret", lambda text: None, make).run()
+            program = asyncio.create_task(run)
             try:
-                while not told:  # noqa: ASYNC110 - it has read what holds
-                    await asyncio.sleep(0)
                 yield host, server
             finally:
                 program.cancel()
                 await asyncio.gather(program, return_exceptions=True)
+
+
+def states(host: ServedSession) -> list[str]:
+    return [line.how for line in host.of(SuggestState)]
+
+
+def asked(host: ServedSession) -> list[SuggestAsked]:
+    """What the model was asked after it was warm."""
+    return [line for line in host.of(SuggestAsked) if not line.warm_up]
 
 
 def say(host: ServedSession, text: str, segment: int = 1, *, own: bool = False) -> None:
@@ -67,16 +90,16 @@ async def test_what_the_model_writes_is_offered_and_in_the_log(tmp_path: Path) -
     async with asking(tmp_path) as (host, server):
         say(host, "What is this?")
         await host.until(lambda: host.of(SuggestOffered))
-        (offered,), (asked,) = host.of(SuggestOffered), host.of(SuggestAsked)
+        (offered,), (request,) = host.of(SuggestOffered), asked(host)
         assert [item.text for item in offered.items] == [
             "It is a whale.",
             "It is thirty metres long.",
         ]
         assert (offered.source, offered.who, offered.cue) == ("model", "suggest", "ear/1")
-        assert asked.asked == server.asked[0]
-        assert (asked.model, asked.fingerprint, asked.error) == ("small-q4", "fp1", "")
-        assert asked.answer == server.text
-        assert asked.prompt_sha256 == hashlib.sha256(b"Suggest.").hexdigest()
+        assert request.asked == server.asked[0]
+        assert (request.model, request.fingerprint, request.error) == ("small-q4", "fp1", "")
+        assert request.answer == server.text
+        assert request.prompt_sha256 == hashlib.sha256(b"Suggest.").hexdigest()
         assert [line["content"] for line in server.asked[0]["messages"]] == [
             "Suggest.",
             "What is this?",
@@ -103,6 +126,13 @@ async def test_braces_and_escape_codes_of_a_model_are_only_text(tmp_path: Path) 
         assert item.text == "You are [31min {condition} ."
 
 
+#: What the wizard reads of each.
+_REASONS = {
+    **{"429": "refuses", "500": "refuses", "hang": "slow", "slow": "slow", "cut": "cut"},
+    **{"megabyte": "odd", "wrong json": "odd", "list": "odd", "empty": ""},
+}
+
+
 @pytest.mark.parametrize("fault", FAULTS)
 async def test_a_server_that_fails_delays_nothing_and_is_told_once(
     tmp_path: Path, fault: str
@@ -111,20 +141,21 @@ async def test_a_server_that_fails_delays_nothing_and_is_told_once(
         server.fault = fault
         for segment in range(FAILURES):
             say(host, "Hm?", segment)
-            await host.until(lambda: len(host.of(SuggestAsked)) > segment)  # noqa: B023
+            await host.until(lambda: len(asked(host)) > segment)  # noqa: B023
         if fault == "no done":  # it ends all the same
             assert host.of(SuggestOffered)
             return
         assert host.of(SuggestOffered) == []
-        assert all(line.error for line in host.of(SuggestAsked))
+        assert all(line.error for line in asked(host))
         await host.until(lambda: host.of(m.Notice))
         say(host, "And now?", 9)
         wizard = await host.connect()
         await wizard.hello("wizard")
         assert (await wizard.ask("action", action="Hello", source="key"))["ok"]
         assert len(server.asked) == FAILURES, "it rests"
+        why = WHY[_REASONS[fault]]
         assert [line.text for line in host.of(m.Notice)] == [
-            "The model does not answer: no sentences are proposed for a while"
+            f"The model does not answer ({why}): no sentences are proposed for a while"
         ]
 
 
@@ -137,7 +168,7 @@ async def test_new_words_take_the_place_of_what_was_asked(tmp_path: Path) -> Non
         server.fault = ""
         say(host, "Two?", 2)
         await host.until(lambda: host.of(SuggestOffered))
-        assert [line.error for line in host.of(SuggestAsked)] == ["cancelled", ""]
+        assert [line.error for line in asked(host)] == ["cancelled", ""]
         assert host.of(SuggestOffered)[0].cue == "ear/2"
 
 

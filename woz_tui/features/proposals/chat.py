@@ -11,12 +11,20 @@ from typing import Any
 
 import aiohttp
 
-#: Seconds for a whole answer, and bytes of it.
-LIMIT_S, LIMIT_BYTES = 2.5, 64 << 10
+from woz_tui.features.proposals.model_state import LIMIT_S
+
+#: Bytes of an answer at the most.
+LIMIT_BYTES = 64 << 10
 
 
 class ChatError(Exception):
-    """Why no answer came, in a sentence."""
+    """Why no answer came, in a sentence. `why`: the same in a word of `model_state.WHY`; empty: the
+    model did answer, with nothing that can be used.
+    """
+
+    def __init__(self, text: str, why: str = "") -> None:
+        super().__init__(text)
+        self.why = why
 
 
 @dataclass
@@ -36,7 +44,7 @@ class ChatClient:
     Args:
         url: Before `/chat/completions`.
         key: Sent as a bearer's; empty: none.
-        limit: Seconds for an answer.
+        limit: Seconds for an answer, where `ask` is not told others.
     """
 
     def __init__(self, url: str, key: str = "", limit: float = LIMIT_S) -> None:
@@ -44,19 +52,23 @@ class ChatClient:
         self._headers = {"Authorization": f"Bearer {key}"} if key else {}
         self._limit = limit
 
-    async def ask(self, request: dict[str, Any], answer: ChatAnswer) -> None:
+    async def ask(
+        self, request: dict[str, Any], answer: ChatAnswer, limit: float | None = None
+    ) -> None:
         """Fill `answer` in, as far as it came. Raises `ChatError`."""
+        limit = self._limit if limit is None else limit
         began = time.monotonic_ns()
         try:
-            async with asyncio.timeout(self._limit):
+            async with asyncio.timeout(limit):
                 async for piece in self._pieces(request):
                     self._take(piece, answer, began)
         except TimeoutError:
-            raise ChatError(f"the model took longer than {self._limit:g} s") from None
+            raise ChatError(f"the model took longer than {limit:g} s", "slow") from None
         except (aiohttp.ClientError, OSError) as error:
-            raise ChatError(f"the model's server: {type(error).__name__}") from error
+            why = "unreachable" if isinstance(error, aiohttp.ClientConnectorError) else "cut"
+            raise ChatError(f"the model's server: {type(error).__name__}", why) from error
         except (ValueError, TypeError, AttributeError, KeyError, IndexError) as error:
-            raise ChatError("the model's server sent what is no answer") from error
+            raise ChatError("the model's server sent what is no answer", "odd") from error
         finally:
             answer.took_us = (time.monotonic_ns() - began) // 1000
         if not answer.text.strip():
@@ -79,14 +91,16 @@ class ChatClient:
             aiohttp.ClientSession(headers=self._headers, trust_env=False, timeout=timeout) as web,
             web.post(self._url, json=request, allow_redirects=False) as response,
         ):
+            if response.status == 503:  # so servers answer that have not read their model yet
+                raise ChatError("the model's server is not ready yet: 503", "loading")
             if response.status != 200:
-                raise ChatError(f"the model's server refuses: {response.status}")
+                raise ChatError(f"the model's server refuses: {response.status}", "refuses")
             streams = response.content_type == "text/event-stream"
             read, buffer = 0, b""
             async for chunk in response.content.iter_any():
                 read += len(chunk)
                 if read > LIMIT_BYTES:
-                    raise ChatError(f"the answer has more than {LIMIT_BYTES >> 10} KiB")
+                    raise ChatError(f"the answer has more than {LIMIT_BYTES >> 10} KiB", "odd")
                 buffer += chunk
                 while streams and b"\n" in buffer:
                     line, _, buffer = buffer.partition(b"\n")

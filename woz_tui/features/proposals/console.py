@@ -18,9 +18,11 @@ from woz_tui.features.proposals.kinds import (
     AskShown,
     ProposedItem,
     SuggestGone,
+    SuggestState,
     SuggestTaken,
     SuggestTrial,
 )
+from woz_tui.features.proposals.model_state import WHY
 from woz_tui.features.proposals.notes import PLACES, ShownItem, ShownProposals
 from woz_tui.protocol.envelope import Json
 from woz_tui.protocol.sentence import Sentence
@@ -119,13 +121,7 @@ def _place(
     if shown is None:
         if place or any(places_of(state)):
             return [((" ", "plain"),)]
-        quiet = state.session.history(ProposalHistory).is_quiet()
-        nothing = (
-            say("proposals.quiet", "nothing is proposed in this trial")
-            if quiet
-            else say("proposals.nothing", "nothing is proposed")
-        )
-        return [((f" {nothing}", "muted"),)]
+        return [((f" {_why_nothing(state)}", "muted"),)]
     offered, item = shown
     who = clean(offered.who) or offered.source
     asks = say("proposals.asks", "{who} asks:", who=who) if offered.approval else f"{who}:"
@@ -153,6 +149,24 @@ def _place(
         first = cut(row, frame.width - length(right), glyphs.ellipsis)
         more_rows = []
     return [spread(first, right, frame.width, glyphs.ellipsis), *more_rows]
+
+
+def _why_nothing(state: ConsoleState) -> str:
+    """What stands where nothing is proposed; a model that cannot propose is named."""
+    history = state.session.history(ProposalHistory)
+    if history.is_quiet():
+        return say("proposals.quiet", "nothing is proposed in this trial")
+    if history.model is not None:
+        told = history.model_state
+        match told.how if told is not None else "gone":
+            case "gone":
+                return say("proposals.no_suggest", "no sentences: `woz suggest` does not run")
+            case "loading":
+                return say("proposals.model_loading", "no sentences yet: the model is loading")
+            case "failing":
+                why = word(WHY.get(told.why, clean(told.why))) if told is not None else ""
+                return say("proposals.model_failing", "no sentences of the model: {why}", why=why)
+    return say("proposals.nothing", "nothing is proposed")
 
 
 def _below(state: ConsoleState, frame: PaintFrame, place: int) -> int:
@@ -216,6 +230,15 @@ def _trial(message: SuggestTrial, shown: EventContext) -> EventLine | None:
     return EventLine("info", say("proposals.trial_without", "Nothing is proposed in this trial"))
 
 
+def _model(message: SuggestState, shown: EventContext) -> EventLine | None:
+    if message.how == "loading":
+        return EventLine("info", say("proposals.model_loads", "The model is loading"))
+    if message.how != "ready":
+        return None  # a notice says why, or that a program has left
+    after = say("proposals.first_word", "first word after {s:.1f} s", s=message.first_us / 1e6)
+    return EventLine("info", say("proposals.model_ready", "The model is ready"), after)
+
+
 def _taken(message: SuggestTaken, shown: EventContext) -> EventLine:
     return EventLine("info", word(_TAKEN.get(message.how, _AS_IT_IS)), message.text)
 
@@ -237,7 +260,12 @@ def _gone(message: SuggestGone, shown: EventContext) -> EventLine | None:
     return EventLine("info", word(said)) if said else None
 
 
-SENTENCES = {SuggestTaken: _taken, SuggestGone: _gone, SuggestTrial: _trial}
+SENTENCES = {
+    SuggestTaken: _taken,
+    SuggestGone: _gone,
+    SuggestTrial: _trial,
+    SuggestState: _model,
+}
 
 _KEYS_MODULE = f"{__package__}.dialog"
 CONSOLE = FeatureConsole(

@@ -16,6 +16,7 @@ from woz_tui.features.proposals.kinds import (
     SuggestRehearsed,
     SuggestSettings,
     SuggestShown,
+    SuggestState,
     SuggestTaken,
     SuggestTrial,
 )
@@ -62,16 +63,23 @@ class ProposalHistory(FeatureHistory):
     def __init__(self) -> None:
         self.settings: SuggestSettings | None = None
         self.model: SuggestModel | None = None
+        self.model_state: SuggestState | None = None
         self.trial: SuggestTrial | None = None
         self.sets: dict[str, SuggestionEpisode] = {}
         self.turns: tuple[m.ActionRequested | m.SpeechText, ...] = ()
 
     def _set(self, message: SuggestSettings, state: SessionState) -> Iterable[Episode]:
         self.settings = message
+        if "model" not in message.sources:
+            self.model = self.model_state = None
         return moment(message, state.t)
 
     def _choose(self, message: SuggestModel, state: SessionState) -> Iterable[Episode]:
         self.model = message
+        return moment(message, state.t)
+
+    def _stand(self, message: SuggestState, state: SessionState) -> Iterable[Episode]:
+        self.model_state = message
         return moment(message, state.t)
 
     def _draw(self, message: SuggestTrial, state: SessionState) -> Iterable[Episode]:
@@ -135,6 +143,7 @@ class ProposalHistory(FeatureHistory):
         m.Mistake: _undo,
         SuggestSettings: _set,
         SuggestModel: _choose,
+        SuggestState: _stand,
         SuggestTrial: _draw,
         m.TrialEnded: _over,
         SuggestAsked: _rank,

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from msgspec.structs import replace
 
 from woz_tui.config.experiment import Experiment
+from woz_tui.drivers.contract import Finding
 from woz_tui.features.phases.kinds import PhaseChanged
 from woz_tui.features.proposals.clean_text import (
     LONGEST,
@@ -21,8 +22,10 @@ from woz_tui.features.proposals.clean_text import (
 )
 from woz_tui.features.proposals.gate import ApprovalFact
 from woz_tui.features.proposals.halves import HALF, is_offered
+from woz_tui.features.proposals.history import ProposalHistory
 from woz_tui.features.proposals.kinds import (
     AskDismiss,
+    AskModelState,
     AskModelTold,
     AskPropose,
     AskShown,
@@ -36,11 +39,13 @@ from woz_tui.features.proposals.kinds import (
     SuggestRehearsed,
     SuggestSettings,
     SuggestShown,
+    SuggestState,
     SuggestTaken,
     SuggestTrial,
 )
 from woz_tui.features.proposals.likely_acts import LikelyActs
 from woz_tui.features.proposals.marks import LastSentences
+from woz_tui.features.proposals.model_state import LOOK, WHY, is_too_slow
 from woz_tui.features.proposals.ranker import Ranked
 from woz_tui.features.proposals.rights import ACTIONS, HANDS, ProgramRights
 from woz_tui.features.proposals.section import (
@@ -69,7 +74,7 @@ SETTLE_US = 300_000
 #: What a program that only proposes may ask for without anybody's approval: it moves nothing.
 ALWAYS = (
     *(r.AskDescribe, r.AskPredict, r.AskMarker, r.AskNote, r.AskCancel, r.AskLetGo, r.AskStop),
-    *(r.AskPreflight, r.AskAbout, r.Beat, AskDismiss, AskPropose, AskModelTold),
+    *(r.AskPreflight, r.AskAbout, r.Beat, AskDismiss, AskPropose, AskModelTold, AskModelState),
 )
 #: What is said to a program whose set ended so.
 _ENDS: Mapping[str, tuple[str, str]] = {
@@ -112,7 +117,7 @@ class _OpenSet:
 class ProposalsInSession(SessionFeature):
     """All sets of a session."""
 
-    requests = (AskTake, AskDismiss, AskPropose, AskModelTold, AskShown)
+    requests = (AskTake, AskDismiss, AskPropose, AskModelTold, AskModelState, AskShown)
 
     def __init__(self, session: FeatureSession) -> None:
         super().__init__(session)
@@ -130,6 +135,8 @@ class ProposalsInSession(SessionFeature):
         self._taking = False
         #: Whether nothing is offered in this trial.
         self._quiet = False
+        #: The connection of the program that tells how it stands with the model.
+        self._suggest = ""
         #: Presses of which it is not known yet whether they are refused, by run, and whether an
         #: item was taken with them.
         self._pressed: dict[str, tuple[m.ActionRequested, bool]] = {}
@@ -183,6 +190,10 @@ class ProposalsInSession(SessionFeature):
         self._end_all("end")
 
     def lose(self, console: str) -> None:
+        if console == self._suggest:
+            self._suggest = ""
+            if not self.session.ended:
+                self.session.hub.publish(SuggestState(how="gone"))
         for name, each in [*self._open.items()]:
             if each.console == console:
                 self._go(name, "withdrawn")
@@ -299,9 +310,11 @@ class ProposalsInSession(SessionFeature):
     # -- requests ----------------------------------------------------------------------------------
 
     def carry_out(
-        self, request: AskTake | AskDismiss | AskPropose | AskModelTold | AskShown, client: Client
+        self,
+        request: AskTake | AskDismiss | AskPropose | AskModelTold | AskModelState | AskShown,
+        client: Client,
     ) -> str:
-        if isinstance(request, AskModelTold):
+        if isinstance(request, AskModelTold | AskModelState):
             self._log_model(request, client)
             return ""
         if isinstance(request, AskPropose):
@@ -346,8 +359,8 @@ class ProposalsInSession(SessionFeature):
             shown = SuggestShown(set=request.set, items=new, after_us=after, console=client.console)
             self.session.hub.publish(shown)
 
-    def _log_model(self, request: AskModelTold, client: Client) -> None:
-        """What a model was asked is in the log, whatever comes of it."""
+    def _log_model(self, request: AskModelTold | AskModelState, client: Client) -> None:
+        """What a model was asked is in the log, whatever comes of it; a failure is told once."""
         if client.role != "program" or self._section is None:
             raise RequestError(
                 Sentence(
@@ -355,21 +368,53 @@ class ProposalsInSession(SessionFeature):
                     "only a program can tell what it asked a model",
                 )
             )
-        fields = SuggestAsked.__struct_fields__
+        kind: type[SuggestAsked | SuggestState] = SuggestState
+        if isinstance(request, AskModelTold):
+            kind = SuggestAsked
         own = Message.__struct_fields__
-        self.session.hub.publish(
-            SuggestAsked(**{name: getattr(request, name) for name in fields if name not in own})
-        )
-        if request.given_up:
+        fields = [name for name in kind.__struct_fields__ if name not in own]
+        before = self.session.state.history(ProposalHistory).model_state
+        self.session.hub.publish(kind(**{name: getattr(request, name) for name in fields}))
+        if isinstance(request, AskModelTold):
+            return
+        self._suggest = client.console
+        if request.how == "failing" and (before is None or before.how != "failing"):
             text = Sentence(
                 "proposals.no_model",
-                "The model does not answer: no sentences are proposed for a while",
+                "The model does not answer ({why}): no sentences are proposed for a while",
+                why=WHY.get(request.why, request.why),
             )
-            remedy = Sentence(
-                "proposals.look_at_server",
-                "look at the program that serves it, and at `woz suggest`",
-            )
-            self.session.hub.publish(m.Notice(level="warning", text=text, remedy=remedy))
+            self.session.hub.publish(m.Notice(level="warning", text=text, remedy=LOOK))
+
+    def findings(self) -> Sequence[Finding]:
+        """Whether a model that the file names is asked, and answers in time."""
+        if self._section is None or self._section.suggest.model is None:
+            return ()
+        told = self.session.state.history(ProposalHistory).model_state
+        match told.how if told is not None else "gone":
+            case "gone":
+                text = Sentence(
+                    "proposals.not_running", "`woz suggest` does not run: no sentences of a model"
+                )
+                return [
+                    Finding(
+                        "warning", "suggest", text, f"woz suggest {self.session.identity.session}"
+                    )
+                ]
+            case "loading":
+                text = Sentence("proposals.is_loading", "the model is loading")
+                return [Finding("info", "suggest", text)]
+            case "failing":
+                assert told is not None
+                return [Finding("warning", "suggest", WHY.get(told.why, told.why), LOOK)]
+        assert told is not None
+        text = Sentence(
+            "proposals.answers",
+            "{model} answers: its first word after {seconds:.2f} s",
+            model=told.model or Sentence("proposals.the_model", "the model"),
+            seconds=told.first_us / 1e6,
+        )
+        return [Finding("warning" if is_too_slow(told.first_us) else "ok", "suggest", text)]
 
     def _propose(self, request: AskPropose, client: Client) -> None:
         if client.role != "program" or self._section is None:

@@ -56,7 +56,8 @@ class SuggestAsked(Message, frozen=True, kw_only=True, tag="suggest.asked"):
     """A model was asked. `asked`: the whole request as it went out; `model`: the name with which
     the server answered, `fingerprint` its own word for its version; `answer`: all that it wrote;
     `prompt_sha256`: of the prompt. `first_us`, `took_us`: from the request to the first piece and
-    to the end. `error`: why nothing came of it.
+    to the end. `error`: why nothing came of it. `warm_up`: before anybody had said anything, so
+    that the model is loaded and has read its prompt; nothing of the answer was offered.
     """
 
     cue: str = ""
@@ -68,6 +69,20 @@ class SuggestAsked(Message, frozen=True, kw_only=True, tag="suggest.asked"):
     first_us: int = -1
     took_us: int = 0
     error: str = ""
+    warm_up: bool = False
+
+
+class SuggestState(Message, frozen=True, kw_only=True, tag="suggest.state"):
+    """How it stands with the model from here on: loading (nobody gets sentences yet), ready (its
+    last warm-up took `first_us` until the first piece), failing (`why`: slow, unreachable, refuses,
+    cut, odd, or empty where it answers with nothing that can be offered; it is asked again after a
+    while), gone (`woz suggest` has left). `model`: the name with which the server answered.
+    """
+
+    how: str
+    why: str = ""
+    model: str = ""
+    first_us: int = -1
 
 
 class ProposedItem(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -213,16 +228,32 @@ class AskModelTold(Request, frozen=True, kw_only=True, tag="model-told"):
     took_us: int = 0
     error: str = ""
     given_up: bool = False
+    warm_up: bool = False
+
+
+#: What a program may tell of its model.
+ModelStateWord = Literal["loading", "ready", "failing"]
+
+
+class AskModelState(Request, frozen=True, kw_only=True, tag="model-state"):
+    """Of `woz suggest`: how it stands with its model now, for the log and the wizard (as in
+    `suggest.state`).
+    """
+
+    how: ModelStateWord
+    why: str = ""
+    model: str = ""
+    first_us: int = -1
 
 
 MESSAGES = (
-    *(SuggestSettings, SuggestModel, SuggestAsked, SuggestTrial, SuggestRehearsed),
+    *(SuggestSettings, SuggestModel, SuggestAsked, SuggestState, SuggestTrial, SuggestRehearsed),
     *(SuggestOffered, SuggestRanked, SuggestTaken, SuggestGone, SuggestShown),
 )
 KINDS = FeatureKinds(
     messages=MESSAGES,
-    requests=(AskTake, AskDismiss, AskPropose, AskModelTold, AskShown),
-    open=(SuggestSettings, SuggestModel, SuggestGone, SuggestShown, SuggestTrial),
+    requests=(AskTake, AskDismiss, AskPropose, AskModelTold, AskModelState, AskShown),
+    open=(SuggestSettings, SuggestModel, SuggestState, SuggestGone, SuggestShown, SuggestTrial),
     unlisted=(SuggestRanked, SuggestAsked, SuggestShown, SuggestRehearsed),
     ended=(EndedKind(SuggestOffered, (SuggestTaken, SuggestGone), "set"),),
 )

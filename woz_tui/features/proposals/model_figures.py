@@ -41,7 +41,11 @@ def models_of(timeline: Timeline) -> Iterator[ModelFigures]:
     begins = [i for i, line in enumerate(lines) if isinstance(line, SuggestModel)]
     for begin, end in pairwise([*begins, len(lines)]):
         model = lines[begin]
-        asked = [line for line in lines[begin + 1 : end] if isinstance(line, SuggestAsked)]
+        asked = [
+            line
+            for line in lines[begin + 1 : end]
+            if isinstance(line, SuggestAsked) and not line.warm_up
+        ]
         assert isinstance(model, SuggestModel)
         answered = (
             " ".join(filter(None, (line.model, line.fingerprint and f"({line.fingerprint})")))

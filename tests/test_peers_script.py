@@ -79,6 +79,17 @@ peer_slow() {
 }
 """
 
+BUILT = """
+peer_model() {
+  : something that takes minutes to build
+  mkdir bin
+  printf '#!/bin/sh\\necho "$WHEEL"\\n' >bin/python
+  chmod +x bin/python
+  built_before model 1.0
+  echo "${built:-built now}" >how
+}
+"""
+
 
 def test_a_peer_is_installed_once_and_again_when_its_function_changes(checkout: Checkout) -> None:
     for text, installations in (
@@ -136,3 +147,14 @@ def test_a_source_that_no_registry_has_comes_from_a_folder(
 @pytest.mark.parametrize(("tests", "code"), [("0", 0), ("1", 1), ("5", 0)])
 def test_it_fails_when_a_test_fails(checkout: Checkout, tests: str, code: int) -> None:
     assert checkout.run(LAMP, TESTS=tests)[0] == code
+
+
+def test_what_takes_minutes_to_build_is_built_only_by_its_name(checkout: Checkout) -> None:
+    how = checkout.places / "model" / "how"
+    code, shown = checkout.run(BUILT)
+    assert code == 0
+    assert "takes minutes to build; once: .ci/peers --install model" in shown
+    assert checkout.run(BUILT, WHEEL="/kept/model.whl")[0] == 0
+    assert how.read_text() == "/kept/model.whl\n"
+    assert checkout.run(BUILT, "--install", "model")[0] == 0
+    assert how.read_text() == "built now\n"

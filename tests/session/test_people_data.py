@@ -62,11 +62,13 @@ def test_who_decides_what_programs_and_states_let_it_say(tmp_path: Path) -> None
         "robot: simulated\n"
         "programs: {greeter: {play: [say]}, music: play}\n"
         "suggest: {within: 20 s}\n"
-        "engagement: {handshake: {by: robot}, on_enter: {Wait: {say: Hello}}}\n"
+        "engagement:\n"
+        "  handshake: {by: robot}\n"
+        "  on_enter: {Wait: {say: Hello}, UserSpeaks: {eyes: red}}\n"
     )
     assert told(tmp_path, head)["decides"][1:] == [
         "nobody: the robot itself asks people for their names",
-        "nobody: what is played when the state Wait begins",
+        "nobody: what is said as a state begins: Wait",
         "a wizard, of what mcp asks for; no answer within 20 s is a no",
         "a wizard, of what greeter asks for; no answer within 20 s is a no; say it plays by itself",
         "music, by itself: nobody approves what it does",

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import sections
 from woz_tui.drivers.contract import DECIDES, KEPT, LEAVES, Driver
+from woz_tui.protocol.action_messages import SPEAKING_VERBS
 
 
 def people_lines(
@@ -47,7 +48,7 @@ def _of_drivers(
             yield LEAVES, f"between this computer and {spec.at.name}, which has {spec.name}"
         elif isinstance(address, str) and address and not (spec.simulated or address[0] == "/"):
             yield LEAVES, f"between this computer and {address}: what {spec.name} says and senses"
-        if spec.type in catalogue:
+        if spec.type in catalogue and not spec.simulated:
             for about, sentence in catalogue[spec.type].people_data(spec.settings):
                 yield about, f"{spec.name}: {sentence}"
 
@@ -64,15 +65,23 @@ def _of_engagement(experiment: Experiment) -> Iterator[tuple[str, str]]:
         yield DECIDES, "nobody: the robot itself asks people for their names"
     if handshake.by != "nobody" and handshake.face_consent:
         yield KEPT, f"a face is learnt only after a yes to: {handshake.face_consent}"
+    states = []
     for state in dict.fromkeys((*engagement.effects, *engagement.plays)):
-        yield DECIDES, f"nobody: what is played when the state {state} begins"
+        plays = map(experiment.action, engagement.plays.get(state, ()))
+        played = filter(None, (engagement.effects.get(state), *plays))
+        if any(call.verb in SPEAKING_VERBS for action in played for call in action.calls):
+            states.append(state)
+    if states:
+        yield DECIDES, f"nobody: what is said as a state begins: {', '.join(states)}"
 
 
 def _missing(experiment: Experiment) -> Iterator[tuple[str, str]]:
     """What a board asks beside, and where it belongs."""
     preflight = experiment.study.preflight
-    asked = f"before it a person checks: {'; '.join(preflight)}" if preflight else "no preflight"
-    yield "consent", f"not in this file but for this: {asked}"
+    asked = (
+        f"before it a person checks: {'; '.join(preflight)}" if preflight else "no preflight asks"
+    )
+    yield "consent", f"not in this file; {asked}"
     yield "how long", "not in this file: `retention` in about.yaml; nothing expires by itself"
     yield (
         "withdrawal",

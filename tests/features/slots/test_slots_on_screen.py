@@ -210,7 +210,7 @@ async def test_many_offers_leave_room_for_what_the_keys_do() -> None:
     async with piloted_console(replace(whole, settings=replace(whole.settings, slots=slots))) as it:
         assert rows(it)[1].endswith("… asked for before it is said")
         await it.press("space")
-        assert rows(it)[1].endswith("… enter says it · ctrl+q closes")
+        assert rows(it)[1].endswith("… enter says it")
         await it.press("ctrl+q", "c", "b", "1")
         assert rows(it)[1] == " type what stands here enter says it · ctrl+q closes"
 

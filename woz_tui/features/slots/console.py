@@ -39,10 +39,15 @@ def offers(state: ConsoleState, slot: str) -> Row:
 
 
 def with_hint(row: Row, hint: str, width: int, ellipsis: str) -> Row:
-    """What the keys do stands behind a row, which gives way."""
-    keys: Row = ((f" {hint}", "muted"),)
-    whole: Row = (*row, *keys)
-    return whole if length(whole) <= width else spread(row, keys, width, ellipsis)
+    """What the keys do stands behind a row, as much of it as there is room for; the row gives way
+    to the first key.
+    """
+    first = hint.partition(" · ")[0]
+    for keys in (hint, first):
+        whole: Row = (*row, (f" {keys}", "muted"))
+        if length(whole) <= width:
+            return whole
+    return spread(row, ((f" {first}", "muted"),), width, ellipsis)
 
 
 def around(told: Gap, frame: PaintFrame, field: int) -> tuple[str, str]:

@@ -28,6 +28,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "approval": ("", "the program does nothing that is not taken; absent: it only offers"),
     "programs": ("", "names of programs that only propose; absent: none"),
     "dictation": ("", "number of the dictated text, from 1"),
+    "on": ("", "whether it is open"),
     "dictations": ("", "the dictated texts in the sentence, by their numbers"),
     "lasted_us": ("µs", "how long the wizard spoke"),
     "distance": ("", "how much of the text was changed before it was said, 0 to 1"),

@@ -189,7 +189,7 @@ async def test_what_changes_while_a_dialog_is_made_is_not_missed() -> None:
 
 
 async def test_help_lists_every_key_with_reserves_and_reasons() -> None:
-    async with piloted_console(size=(160, 120)) as pilot:
+    async with piloted_console(size=(160, 130)) as pilot:
         await open_dialog(pilot, "HelpDialog")
         drawn = pilot.drawn()
         for part in ("stop everything", "type something to say", "Restoration room", "c r"):

@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 from woz_drivers.microphone import whisper_transcriber
 
-from tests.host.rig import served_session
+from tests.features.dictation.test_dictation import opened
 from tests.peers.places import place
-from woz_tui.client import connect
 from woz_tui.drivers.plugins import installed
+from woz_tui.features.dictation import in_session
 from woz_tui.features.dictation.dictating import Dictating
 from woz_tui.features.dictation.kinds import Dictated
 from woz_tui.features.dictation.speech_pieces import RATE
@@ -37,7 +37,9 @@ def spoken(text: str) -> bytes:
     return voice.tobytes() + bytes(2 * RATE)
 
 
-async def test_two_sentences_become_two_texts_and_nobodys_speech(tmp_path: Path) -> None:
+async def test_two_sentences_become_two_texts_and_nobodys_speech(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     there = place("whisper")
     words = (there / "bin" / "python", whisper_transcriber.__file__, "--model", there / "model")
     microphone = installed()["microphone"]
@@ -49,10 +51,8 @@ async def test_two_sentences_become_two_texts_and_nobodys_speech(tmp_path: Path)
     told: list[str] = []
     voice = spoken("Good morning, and welcome to the museum.")
     voice += spoken("What would you like to see today?")
-    async with (
-        served_session(tmp_path) as host,
-        connect(host.path, name="dictate", sees="wizard") as client,
-    ):
+    monkeypatch.setattr(in_session, "SILENT_S", 1000.0)
+    async with opened(tmp_path) as (host, _, client):
         try:
             await Dictating(client, transcriber, tmp_path, told.append, 0.02).run(io.BytesIO(voice))
         finally:

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
+import fcntl
 import io
+import os
 import shutil
+import struct
 import subprocess
 import sys
+import termios
 import wave
 from argparse import Namespace
 from array import array
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 
 import msgspec
@@ -18,15 +25,23 @@ from tests.console import scenes
 from tests.console.dialogs import entry
 from tests.console.piloting import piloted_console
 from tests.features.phases.test_phases_on_screen import at
-from tests.host.rig import served_session
-from woz_tui.client import WozRefusedError, connect
+from tests.host.rig import Peer, ServedSession, served_session
+from woz_tui.client import WozClient, WozRefusedError, connect
 from woz_tui.console.screens.say import SayDialog
+from woz_tui.features.dictation import in_session
 from woz_tui.features.dictation.command import NoTranscriberError, transcriber_of
-from woz_tui.features.dictation.dictating import Dictating
-from woz_tui.features.dictation.kinds import AskDictated, Dictated, DictationSaid
+from woz_tui.features.dictation.dialog import DictationDialog
+from woz_tui.features.dictation.dictating import CLOSED, OPEN, Dictating
+from woz_tui.features.dictation.kinds import (
+    AskDictated,
+    AskDictation,
+    Dictated,
+    DictationListens,
+    DictationSaid,
+)
 from woz_tui.features.dictation.speech_pieces import CHUNK, RATE, SpeechPieces
 from woz_tui.protocol import messages as m
-from woz_tui.protocol.requests import AskVerb
+from woz_tui.protocol.requests import AskVerb, Reply
 
 #: Writes how long the sound file is, in tenths of a second.
 LENGTH = (
@@ -39,12 +54,35 @@ def tone(seconds: float, level: int = 8000) -> bytes:
     return array("h", [level, -level] * round(seconds * RATE / 2)).tobytes()
 
 
+def unread(pipe: int) -> int:
+    """Bytes that nobody has read yet."""
+    (count,) = struct.unpack("i", fcntl.ioctl(pipe, termios.FIONREAD, bytes(4)))
+    return int(count)
+
+
 def options(transcribe: str = "", experiment: Path | None = None) -> Namespace:
     return Namespace(transcribe=transcribe, experiment=experiment)
 
 
 def program(text: str = LENGTH) -> str:
     return f'"{sys.executable}" -c "{text}" {{file}}'
+
+
+@asynccontextmanager
+async def opened(folder: Path) -> AsyncIterator[tuple[ServedSession, Peer, WozClient]]:
+    """A session with a wizard whose field is open, and `woz dictate`."""
+    async with served_session(folder) as host:
+        wizard = await host.connect()
+        await wizard.hello("wizard")
+        assert (await wizard.ask("dictation", on=True))["ok"]
+        async with connect(host.path, name="dictate", sees="wizard") as client:
+            yield host, wizard, client
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy machine closes no field."""
+    monkeypatch.setattr(in_session, "SILENT_S", 1000.0)
 
 
 def test_a_voice_is_cut_at_pauses() -> None:
@@ -63,17 +101,13 @@ async def test_the_text_comes_to_the_session_and_the_log_knows_of_which_sentence
     tmp_path: Path,
 ) -> None:
     told: list[str] = []
-    async with (
-        served_session(tmp_path) as host,
-        connect(host.path, name="dictate", sees="wizard") as client,
-    ):
-        wizard = await host.connect()
-        await wizard.hello("wizard")
+    async with opened(tmp_path) as (host, wizard, client):
         voice = io.BytesIO(tone(1.0) + tone(1.0, 10) + tone(0.5))
         transcriber = transcriber_of(options(program()), tmp_path)
         await Dictating(client, transcriber, tmp_path, told.append, 0.02).run(voice)
         await transcriber.close()
-        assert [line.text for line in host.of(Dictated)] == ["spoke 18 1", "spoke 7 1"] == told
+        assert [line.text for line in host.of(Dictated)] == ["spoke 18 1", "spoke 7 1"]
+        assert told == [CLOSED, OPEN, "spoke 18 1", "spoke 7 1"]
         assert [line.lasted_us for line in host.of(Dictated)] == [1_800_000, 700_000]
         assert host.of(m.SpeechText, m.SpeechStarted) == [], "it is no visitor's"
         assert host.driver().calls == [], "nothing is said by that"
@@ -89,6 +123,66 @@ async def test_the_text_comes_to_the_session_and_the_log_knows_of_which_sentence
         assert not (tmp_path / "dictated.wav").exists(), "no sound is kept"
 
 
+@pytest.mark.real_clock
+async def test_what_is_said_while_the_field_is_not_open_is_put_nowhere(tmp_path: Path) -> None:
+    told: list[str] = []
+    async with (
+        served_session(tmp_path) as host,
+        connect(host.path, name="dictate", sees="wizard") as client,
+    ):
+        with pytest.raises(WozRefusedError, match="not open"):
+            await client.request(AskDictated(text="Nobody asked"))
+        with pytest.raises(WozRefusedError, match="a wizard's console has the field"):
+            await client.request(AskDictation(on=True))
+        transcriber = transcriber_of(options(program("print('heard')")), tmp_path)
+        reading, writing = os.pipe()
+        with os.fdopen(reading, "rb", 0) as voice, os.fdopen(writing, "wb", 0) as mouth:
+            work = Dictating(client, transcriber, tmp_path, told.append, 0.02)
+            dictating = asyncio.create_task(work.run(voice))
+            await host.until(lambda: told == [CLOSED])
+            await asyncio.to_thread(mouth.write, tone(1.0) + tone(1.0, 10))
+            await host.until(lambda: not unread(reading))
+            wizard = await host.connect()
+            await wizard.hello("wizard")
+            assert (await wizard.ask("dictation", on=True))["ok"]
+            await host.until(lambda: OPEN in told)
+            await asyncio.to_thread(mouth.write, tone(0.5) + tone(1.0, 10))
+            await host.until(lambda: len(host.of(Dictated)) == 1)
+            assert (await wizard.ask("dictation", on=False))["ok"]
+            await host.until(lambda: told[-1] == CLOSED)
+            await asyncio.to_thread(mouth.write, tone(1.0) + tone(1.0, 10))
+            mouth.close()
+            await dictating
+        await transcriber.close()
+        assert [line.text for line in host.of(Dictated)] == ["heard"]
+        listens = [(line.on, line.why) for line in host.of(DictationListens)]
+        assert listens == [(True, ""), (False, "closed")]
+
+
+@pytest.mark.real_clock
+async def test_the_field_closes_with_its_console_by_the_stop_and_by_silence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with served_session(tmp_path) as host:
+        first, second = await host.connect(), await host.connect()
+        await first.hello("wizard")
+        await second.hello("watcher")
+        assert (await first.ask("dictation", on=True))["ok"]
+        assert (await first.ask("dictation", on=True))["ok"], "it is still open"
+        assert not (await second.ask("dictation", on=True))["ok"], "who watches says nothing"
+        await first.ask("stop")
+        assert (await first.ask("dictation", on=True))["ok"]
+        monkeypatch.setattr(in_session, "SILENT_S", 0.01)
+        await first.ask("dictation", on=True)
+        await host.until(lambda: len(host.of(DictationListens)) == 4)
+        monkeypatch.setattr(in_session, "SILENT_S", 1000.0)
+        assert (await first.ask("dictation", on=True))["ok"]
+        first.leave()
+        await host.until(lambda: len(host.of(DictationListens)) == 6)
+        ends = [line.why for line in host.of(DictationListens) if not line.on]
+        assert ends == ["stop", "silent", "left"]
+
+
 @pytest.mark.parametrize(
     ("typed", "said"),
     [
@@ -101,12 +195,7 @@ async def test_the_text_comes_to_the_session_and_the_log_knows_of_which_sentence
 async def test_what_the_wizard_took_out_of_the_field_was_not_said(
     tmp_path: Path, typed: str, said: list[int]
 ) -> None:
-    async with (
-        served_session(tmp_path) as host,
-        connect(host.path, name="dictate", sees="wizard") as client,
-    ):
-        wizard = await host.connect()
-        await wizard.hello("wizard")
+    async with opened(tmp_path) as (host, wizard, client):
         for text in (
             "Good morning everybody",
             "Hm, no, not that",
@@ -123,14 +212,12 @@ async def test_what_the_wizard_took_out_of_the_field_was_not_said(
 async def test_a_recogniser_that_fails_is_told_and_the_next_piece_comes(tmp_path: Path) -> None:
     told: list[str] = []
     failing = program("import sys; sys.exit('no model')")
-    async with (
-        served_session(tmp_path) as host,
-        connect(host.path, name="dictate", sees="wizard") as client,
-    ):
+    async with opened(tmp_path) as (host, _, client):
         transcriber = transcriber_of(options(failing), tmp_path)
         await Dictating(client, transcriber, tmp_path, told.append, 0.02).run(io.BytesIO(tone(1.0)))
-        assert len(told) == 1
-        assert "no model" in told[0]
+        assert told[:2] == [CLOSED, OPEN]
+        assert len(told) == 3
+        assert "no model" in told[2]
         with pytest.raises(WozRefusedError, match="nothing was dictated"):
             await client.request(AskDictated(text=" \x1b "))
         assert host.of(Dictated) == []
@@ -175,24 +262,73 @@ def test_what_understands_it_is_the_microphones_of_the_experiment(tmp_path: Path
         transcriber_of(options(), tmp_path)
 
 
-async def test_it_stands_in_the_field_of_say_and_enter_says_it() -> None:
+ATTACHED = m.ConsoleAttached(console="p1", role="program", name="dictate")
+
+
+def listens(on: bool = True, console: str = "console1") -> DictationListens:
+    return DictationListens(on=on, console=console)
+
+
+async def test_its_key_opens_the_field_and_enter_says_what_came_into_it() -> None:
     async with piloted_console(size=(80, 24)) as pilot:
-        await at(pilot, Dictated(dictation=1, text="It is a wale"), 5000)
-        assert "Dictated: It is a wale; press / to look at it" in pilot.drawn()
-        await pilot.press("slash")
-        assert isinstance(pilot.console.dialog, SayDialog)
+        await pilot.press("f10")
+        assert isinstance(pilot.console.dialog, DictationDialog)
+        assert pilot.feed.last(AskDictation) == AskDictation(ref=1, on=True)
+        assert "| ssh ROBOT woz dictate" in " ".join(pilot.drawn().split())
+        await at(pilot, ATTACHED, 4999)
+        assert "begins to listen" in pilot.drawn()
+        await at(pilot, listens(), 5000)
+        assert "listens: what you say comes here" in pilot.drawn()
+        await at(pilot, Dictated(dictation=1, text="It is a wale"), 5001)
         assert entry(pilot).value == "It is a wale"
         await pilot.press("backspace", "backspace", "backspace", "backspace")
         await pilot.type("whale.")
-        await at(pilot, Dictated(dictation=2, text="And {big}."), 5001)
+        await at(pilot, Dictated(dictation=2, text="And {big}."), 5002)
         assert entry(pilot).value == "It is a whale. And {{big}}."
         assert not pilot.feed.last(AskVerb), "she looks at it first"
         await pilot.press("enter")
         asked = pilot.feed.last(AskVerb)
         assert isinstance(asked, AskVerb)
         assert asked.args["text"] == "It is a whale. And {{big}}."
-        await pilot.press("slash")
+        closed = pilot.feed.last(AskDictation)
+        assert isinstance(closed, AskDictation)
+        assert not closed.on
+        await at(pilot, listens(on=False), 5003)
+        await pilot.press("f10")
         assert entry(pilot).value == ""
+
+
+async def test_as_long_as_the_field_is_open_and_painted_it_says_so() -> None:
+    async with piloted_console() as pilot:
+
+        def said() -> list[bool]:
+            return [each.on for each in pilot.feed.asked if isinstance(each, AskDictation)]
+
+        await pilot.press("f10")
+        assert said() == [True]
+        await pilot.pass_time(0.1)
+        assert said() == [True]
+        await pilot.pass_time(0.5)
+        assert said() == [True, True]
+        pilot.feed.line_ok = False
+        await pilot.pass_time(5)
+        assert said() == [True, True], "nobody sees the field"
+        pilot.feed.line_ok = True
+        await pilot.pass_time(0.1)
+        await pilot.press("escape")
+        assert pilot.console.dialog is None
+        assert said() == [True, True, True, False]
+        await pilot.pass_time(5)
+        assert len(said()) == 4
+
+
+async def test_a_refusal_stands_in_the_field() -> None:
+    async with piloted_console() as pilot:
+        pilot.feed.answers[AskDictation] = lambda request, ref: Reply(
+            ref=ref, ok=False, reason="somebody dictates at another console already"
+        )
+        await pilot.press("f10")
+        assert "somebody dictates at another console already" in pilot.drawn()
 
 
 async def test_after_a_lost_line_nothing_stands_there_twice() -> None:
@@ -201,17 +337,31 @@ async def test_after_a_lost_line_nothing_stands_there_twice() -> None:
     ]
     said = DictationSaid(command="c1", dictations=[1])
     async with piloted_console() as pilot:
-        for seq, message in enumerate((*texts[:2], said), 5000):
+        for seq, message in enumerate((listens(), *texts[:2], said), 5000):
             await at(pilot, message, seq)
-        await pilot.press("slash")
+        await pilot.press("f10")
         assert entry(pilot).value == "Two."
-        recent = [*texts[:2], said, texts[2]]
+        recent = [listens(), *texts[:2], said, texts[2]]
         placed = [msgspec.structs.replace(line, t=scenes.NOW) for line in recent]
         await pilot.tell(scenes.welcome(recent=placed))
         assert entry(pilot).value == "Two. Three."
 
 
-async def test_a_wizard_who_dictates_nothing_has_the_usual_field() -> None:
+async def test_a_console_that_is_attached_anew_gets_the_newest_text_alone() -> None:
+    texts = [Dictated(dictation=n, text=f"Text {n}.") for n in range(1, 5)]
+    recent = [listens(console="c0"), *texts[:3], listens(on=False, console="c0"), texts[3]]
+    placed = [msgspec.structs.replace(line, t=scenes.NOW) for line in recent]
+    async with piloted_console(scenes.welcome(recent=placed)) as pilot:
+        await pilot.press("f10")
+        assert entry(pilot).value == "Text 4."
+        await pilot.press("ctrl+q", "f10")
+        assert entry(pilot).value == "Text 4.", "it is the draft now"
+
+
+async def test_the_usual_field_gets_nothing_that_is_dictated() -> None:
     async with piloted_console() as pilot:
+        await at(pilot, Dictated(dictation=1, text="It is a whale"), 5000)
+        assert "Dictated: It is a whale; press F10 to look at it" in pilot.drawn()
         await pilot.press("slash")
         assert type(pilot.console.dialog) is SayDialog
+        assert entry(pilot).value == ""

@@ -8,6 +8,7 @@ class Dictation(Feature):
 
     name = "dictation"
     kinds = "kinds:KINDS"
+    keys = "keys.json"
     sentences = "console:SENTENCES"
     notes = "notes:DictatedTexts"
     console = "console:CONSOLE"

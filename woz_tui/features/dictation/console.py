@@ -1,13 +1,17 @@
-"""Dictation on the wizard's screen: the field of `say` gets the texts."""
+"""Dictation on the wizard's screen: its key opens the field of `say`, which gets the texts."""
 
 from __future__ import annotations
 
 from woz_tui.config.screen_language import say
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventContext, EventLine
-from woz_tui.console.widgets.feature_console import FeatureConsole
+from woz_tui.console.widgets.feature_console import FeatureCommand, FeatureConsole, KeyHint
 from woz_tui.features.dictation.kinds import Dictated, DictationSaid
-from woz_tui.features.dictation.notes import DictatedTexts
+from woz_tui.features.dictation.notes import KEY
+from woz_tui.protocol.sentence import Sentence
+
+#: What `woz dictate` calls itself.
+PROGRAM = "dictate"
 
 
 def _dictated(message: Dictated, shown: EventContext) -> EventLine:
@@ -18,11 +22,20 @@ def _said(message: DictationSaid, shown: EventContext) -> EventLine | None:
     return None
 
 
-def _field(state: ConsoleState) -> str | None:
-    """Once something was dictated: the same field, into which the texts come."""
-    notes = state.study.notes.of(DictatedTexts)
-    return f"{__package__}.dialog:DictatedSayDialog" if notes is not None and notes.begun else None
+def is_attached(state: ConsoleState) -> bool:
+    """Whether `woz dictate` is connected."""
+    there = state.session.consoles.values()
+    return any(each.role == "program" and each.name == PROGRAM for each in there)
 
 
 SENTENCES = {Dictated: _dictated, DictationSaid: _said}
-CONSOLE = FeatureConsole(instead={"say": _field})
+CONSOLE = FeatureConsole(
+    commands=(
+        FeatureCommand(
+            KEY,
+            opens=f"{__package__}.dialog:DictationDialog",
+            hint=KeyHint(3.1, Sentence("dictation.hint", "dictate"), is_attached),
+            also=("voice", "microphone"),
+        ),
+    ),
+)

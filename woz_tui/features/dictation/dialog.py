@@ -1,38 +1,102 @@
-"""The field of `say`, into which dictated texts come."""
+"""The field of `say` that takes what the wizard dictates, as long as it is open."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
+from textual.widget import Widget
+from textual.widgets import Static
+
+from woz_tui.config.screen_language import say
+from woz_tui.console.drawing.cells import Row
+from woz_tui.console.screens.dialog import content, refusal_text
 from woz_tui.console.screens.say import SayDialog
+from woz_tui.features.dictation.console import is_attached
+from woz_tui.features.dictation.kinds import AskDictation
 from woz_tui.features.dictation.notes import DictatedTexts
+from woz_tui.protocol.requests import Reply
 from woz_tui.protocol.sentence import Sentence
 
+#: So often it says that it is open, in microseconds: a screen that does not paint any more, or has
+#: lost its terminal, says nothing.
+_SAID_US = 500_000
 
-class DictatedSayDialog(SayDialog):
-    """What was dictated stands there as if it were typed; enter says it."""
+
+class DictationDialog(SayDialog):
+    """What is dictated stands there as if it were typed; enter says it."""
 
     heading = Sentence("dictation.heading", "Say (dictated)")
+    placeholder = Sentence("dictation.speak", "speak, or type what the robot shall say")
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._said_us: int | None = None
+        self._refused = ""
+        self._shown: Row = ()
 
     @property
     def draft(self) -> str:
         """The same as of the field without dictation."""
         return SayDialog.__name__
 
+    def below(self) -> Iterable[Widget]:
+        """Whether anybody listens comes first."""
+        yield Static("", id="listens", classes="caption")
+        yield from super().below()
+
     def on_mount(self) -> None:
         """With what came before it was opened."""
         super().on_mount()
-        self._take()
+        self._go_on()
 
     def refreshed(self) -> None:
         """With what has come since."""
         super().refreshed()
+        self._go_on()
+
+    def closing(self) -> None:
+        super().closing()
+        self.requests.ask(AskDictation(on=False))
+
+    def _go_on(self) -> None:
+        if not self.there or not self.is_on_top:
+            return
+        now = self.console_app.clock.now_us()
+        due = self._said_us is None or now - self._said_us >= _SAID_US
+        if due and self.console_app.feed.line_ok:
+            self._said_us = now
+            self.requests.ask(AskDictation(on=True), self._answered)
         self._take()
+        if (row := self._listens()) != self._shown:
+            self._shown = row
+            self.update("listens", content([row]))
+
+    def _answered(self, reply: Reply) -> None:
+        self._refused = "" if reply.ok else refusal_text(reply)
+
+    def _listens(self) -> Row:
+        """Whether what is said now comes here, and else what would help."""
+        state = self.state
+        if self._refused:
+            return ((self._refused, "warn"),)
+        if not is_attached(state):
+            nobody = say(
+                "dictation.nobody",
+                "nothing is heard: at your own computer, type  arecord -q -t raw -f S16_LE"
+                " -r 16000 -c 1 | ssh ROBOT woz dictate --experiment FILE",
+            )
+            return ((nobody, "warn"),)
+        notes = state.study.notes.of(DictatedTexts)
+        if notes is None or notes.listens != state.console:
+            return ((say("dictation.waits", "begins to listen"), "muted"),)
+        return ((say("dictation.listens", "listens: what you say comes here"), "good"),)
 
     def _take(self) -> None:
         """Each once, also where the line to the robot was lost meanwhile."""
         notes, drafts = self.state.study.notes.of(DictatedTexts), self.requests.drafts
         place = f"dictated {self.state.log}"
         texts = notes.after(int(drafts.get(place, "0"))) if notes is not None else {}
-        if texts and self.there:
+        if texts:
             drafts[place] = str(max(texts))
             new = " ".join(texts.values()).replace("{", "{{").replace("}", "}}")
             self.set_text(f"{self.entry.value.rstrip()} {new}".lstrip())

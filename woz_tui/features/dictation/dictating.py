@@ -11,16 +11,19 @@ from typing import BinaryIO
 
 from woz_tui.client import WozClient, WozRefusedError
 from woz_tui.drivers.contract import DriverError, FileTranscriber
-from woz_tui.features.dictation.kinds import AskDictated
+from woz_tui.features.dictation.kinds import AskDictated, DictationListens
 from woz_tui.features.dictation.speech_pieces import RATE, SpeechPieces
 from woz_tui.system.tasks import end_tasks
 
 #: Pieces that wait to be understood; what comes beside them is left out. Bytes read at once.
 WAITING, _READ = 4, 3200
+#: What whoever dictates is told.
+OPEN = "woz dictate: listens; what you say comes into the field"
+CLOSED = "woz dictate: waits; a key of the console opens the field (dictate in its list of keys)"
 
 
 class Dictating:
-    """Understands one piece after the other.
+    """Understands one piece after the other, of what is said while the field is open.
 
     Args:
         client: The session.
@@ -40,27 +43,48 @@ class Dictating:
     ) -> None:
         self._client, self._transcriber = client, transcriber
         self._folder, self._say = folder, say
-        self._pieces = SpeechPieces(threshold)
+        self._threshold = threshold
+        #: Of what is said now; None: the field is not open, and nothing of it is looked at.
+        self._pieces: SpeechPieces | None = None
         self._waiting: asyncio.Queue[tuple[bytes, float]] = asyncio.Queue(WAITING)
 
     async def run(self, voice: BinaryIO) -> None:
         """Until the voice ends. Raises `WozConnectionError`: the session is over."""
         work = asyncio.create_task(self._understand(), name="dictation")
+        follow = asyncio.create_task(self._follow(), name="field of dictation")
         try:
             while data := await asyncio.to_thread(voice.read, _READ):
-                for piece in self._pieces.add(data):
+                for piece in self._pieces.add(data) if self._pieces is not None else ():
                     self._put(piece)
-                if work.done():
+                if work.done() or follow.done():
                     break
-            for piece in self._pieces.end():
-                self._put(piece)
+            self._end_piece()
             done = asyncio.create_task(self._waiting.join())
             await asyncio.wait({work, done}, return_when=asyncio.FIRST_COMPLETED)
             await end_tasks(done)
-            if work.done():
-                work.result()
+            for each in (work, follow):
+                if each.done():
+                    each.result()
         finally:
-            await end_tasks(work)
+            await end_tasks(work, follow)
+
+    async def _follow(self) -> None:
+        """Whether the field is open. Ends with the session."""
+        listens = self._client.messages(DictationListens, held=True)
+        self._say(CLOSED)
+        async for message in listens:
+            if message.on:
+                self._pieces = SpeechPieces(self._threshold)
+                self._say(OPEN)
+            else:
+                self._end_piece()
+                self._say(CLOSED)
+
+    def _end_piece(self) -> None:
+        """What was being said counts, as far as it came; what is said from now on does not."""
+        pieces, self._pieces = self._pieces, None
+        for piece in pieces.end() if pieces is not None else ():
+            self._put(piece)
 
     def _put(self, piece: bytes) -> None:
         try:

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable, Mapping, Sequence
 from difflib import SequenceMatcher
+from functools import partial
 from typing import Any, ClassVar
 
-from woz_tui.features.dictation.kinds import AskDictated, Dictated, DictationSaid
+from woz_tui.features.dictation.kinds import (
+    AskDictated,
+    AskDictation,
+    Dictated,
+    DictationListens,
+    DictationSaid,
+)
 from woz_tui.features.proposals.clean_text import cleaned
 from woz_tui.features.proposals.marks import words
 from woz_tui.protocol import messages as m
@@ -25,27 +33,88 @@ _MOST = 2 / LIKE - 1
 _AT_ONCE = 2_000_000
 #: Texts that may still be said: what came before them the wizard has left out.
 WAITING = 6
+#: A console in whose field something is dictated says so at least so often, in seconds.
+SILENT_S = 2.5
+#: What was said at last in the field may end so much later than the field, in microseconds.
+_LATE_US = 1_000_000
 
 
 class DictationInSession(SessionFeature):
-    """Texts that wait in the field of `say`. They are no speech of a visitor."""
+    """Texts for the field of `say`, as long as it is open. They are no speech of a visitor."""
 
-    requests = (AskDictated,)
+    requests = (AskDictated, AskDictation)
 
     def __init__(self, session: FeatureSession) -> None:
         super().__init__(session)
         self._count = 0
         self._waiting: list[Dictated] = []
+        #: Whose field is open, and when it falls silent; when it was open, in the session's time.
+        self._console = ""
+        self._silence: asyncio.TimerHandle | None = None
+        self._opened = self._shut = 0
 
     def idle(self) -> bool:
-        return not self._waiting
+        return not self._waiting and not self._console
 
-    def carry_out(self, request: AskDictated, client: Client) -> str:
+    def close(self) -> None:
+        self._close("closed")
+
+    def carry_out(self, request: AskDictated | AskDictation, client: Client) -> str:
+        if isinstance(request, AskDictated):
+            self._dictate(request, client)
+        elif request.on:
+            self._open(client)
+        else:
+            self.lose(client.console, "closed")
+        return ""
+
+    def _open(self, client: Client) -> None:
+        """Its field is open, or is still open."""
+        if client.role != "wizard":
+            raise RequestError(
+                Sentence("dictation.only_wizard", "a wizard's console has the field for dictation")
+            )
+        if self._console not in ("", client.console):
+            raise RequestError(
+                Sentence("dictation.taken", "somebody dictates at another console already")
+            )
+        if self._silence is not None:
+            self._silence.cancel()
+        loop = asyncio.get_running_loop()
+        self._silence = loop.call_later(SILENT_S, partial(self._close, "silent"))
+        if not self._console:
+            self._console, self._opened = client.console, self.session.hub.now()
+            self.session.hub.publish(DictationListens(on=True, console=client.console))
+
+    def _close(self, why: str) -> None:
+        if self._silence is not None:
+            self._silence.cancel()
+            self._silence = None
+        if self._console:
+            console, self._console = self._console, ""
+            self._shut = self.session.hub.now()
+            self.session.hub.publish(DictationListens(on=False, console=console, why=why))
+
+    def lose(self, console: str, why: str = "left") -> None:
+        if console == self._console:
+            self._close(why)
+
+    def _stopped(self, message: m.StopPressed) -> None:
+        self._close("stop")
+
+    def _dictate(self, request: AskDictated, client: Client) -> None:
         if client.role != "program":
             raise RequestError(Sentence("dictation.only_dictation", "`woz dictate` dictates"))
         text = cleaned(request.text)[:LONGEST]
         if not text:
             raise RequestError(Sentence("dictation.nothing", "nothing was dictated"))
+        ended = self.session.hub.now() - max(0, request.took_us)
+        heard = ended <= self._shut + _LATE_US and self._shut > self._opened
+        if ended < self._opened or not (self._console or heard):
+            raise RequestError(
+                Sentence("dictation.not_open", "the field for dictation is not open"),
+                Sentence("dictation.opens_it", "a key of the console opens it: dictate"),
+            )
         self._count += 1
         self._waiting.append(
             self.session.hub.publish(
@@ -59,7 +128,6 @@ class DictationInSession(SessionFeature):
             )
         )
         del self._waiting[:-WAITING]
-        return ""
 
     def _sent(self, message: m.Command) -> None:
         """A typed sentence: perhaps what was dictated since the last one."""
@@ -83,7 +151,10 @@ class DictationInSession(SessionFeature):
         )
         del self._waiting[: self._waiting.index(said[-1]) + 1]
 
-    hears: ClassVar[Mapping[type[m.Message], Callable[[Any, Any], object]]] = {m.Command: _sent}
+    hears: ClassVar[Mapping[type[m.Message], Callable[[Any, Any], object]]] = {
+        m.Command: _sent,
+        m.StopPressed: _stopped,
+    }
 
 
 def _likest(waiting: Sequence[Dictated], text: str) -> tuple[float, Sequence[Dictated]] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from woz_tui.protocol.envelope import RestrictedMessage
+from woz_tui.protocol.envelope import Message, RestrictedMessage
 from woz_tui.protocol.kinds import FeatureKinds
 from woz_tui.protocol.requests import Request
 
@@ -30,6 +30,25 @@ class DictationSaid(RestrictedMessage, frozen=True, kw_only=True, tag="dictated.
     after_us: int = 0
 
 
+class DictationListens(Message, frozen=True, kw_only=True, tag="dictation.listens"):
+    """The field for dictation is open on the wizard's `console` (`on`), or is not any more (`why`:
+    closed, stop, left, or silent: the console has not said for a while that it is). `woz dictate`
+    understands a voice in between alone.
+    """
+
+    on: bool
+    console: str
+    why: str = ""
+
+
+class AskDictation(Request, frozen=True, kw_only=True, tag="dictation"):
+    """Of a wizard's console: the field for dictation is open (`on`), or is closed. It is said again
+    at least every two seconds: whoever falls silent has closed it.
+    """
+
+    on: bool
+
+
 class AskDictated(Request, frozen=True, kw_only=True, tag="dictate"):
     """Of `woz dictate`: what the wizard dictated, for the field of `say`."""
 
@@ -38,4 +57,9 @@ class AskDictated(Request, frozen=True, kw_only=True, tag="dictate"):
     took_us: int = 0
 
 
-KINDS = FeatureKinds(messages=(Dictated, DictationSaid), requests=(AskDictated,))
+KINDS = FeatureKinds(
+    messages=(Dictated, DictationSaid, DictationListens),
+    requests=(AskDictated, AskDictation),
+    open=(DictationListens,),
+    unlisted=(DictationListens,),
+)

@@ -126,23 +126,22 @@ def _place(
     who = clean(offered.who) or offered.source
     asks = say("proposals.asks", "{who} asks:", who=who) if offered.approval else f"{who}:"
     front: Row = ((f" {cap or glyphs.dash} ", "key"), (f" {asks} ", "wait"))
-    more = ""
+    edit = no = ""
     if not place:
         edits, none = (state.own_keys.get(name, "") for name in (EDIT, NONE))
         if edits and item.text:
-            more += f" {say('proposals.edit_key', '{key} edit', key=edits)} "
+            edit = f" {say('proposals.edit_key', '{key} edit', key=edits)} "
         if none:
-            more += f" {say('proposals.no_key', '{key} no', key=none)} "
+            no = f" {say('proposals.no_key', '{key} no', key=none)} "
     left = max(0, offered.until - frame.now)
     marks = "".join(f" {word(_MARKS.get(mark, clean(mark)))} " for mark in item.marks)
-    right: Row = (
-        (more, "muted"),
-        (marks, "warn"),
-        (f" {(left + 999_999) // 1_000_000} s ", "muted"),
-    )
+    ends: Row = ((marks, "warn"), (f" {(left + 999_999) // 1_000_000} s ", "muted"))
     row: Row = (*front, (item_words(state, item, frame), "strong"))
-    if length(row) + length(right) > frame.width:  # the sentence before the hints
-        right = right[1:]  # what it repeats is worth more than its keys
+    # The sentence before the hints; what it repeats is worth more than its keys.
+    hints = (
+        more for more in (edit + no, no) if length(row) + length(ends) + len(more) <= frame.width
+    )
+    right: Row = ((next(hints, ""), "muted"), *ends)
     rest = _below(state, frame, place)
     first, *more_rows = wrap_row(row, length(front) if rest else 0, frame.width - length(right))
     if len(more_rows) > rest:

@@ -16,6 +16,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
+import msgspec
+
 from tests.console import bodies, scenes, study_scene
 from tests.console.scripted_feed import ScriptedFeed
 from tools import EXPERIMENTS, IMAGES, demo_session
@@ -29,8 +31,10 @@ from woz_tui.console.link.message_feed import MessageFeed
 from woz_tui.console.replay.app import ReplayConsole
 from woz_tui.console.replay.commands import ReplayKeyboard
 from woz_tui.drivers import plugins
+from woz_tui.features.dictation.kinds import Dictated, DictationListens
 from woz_tui.features.move_editor.app import MoveEditorApp
 from woz_tui.features.move_editor.move_file import EditedFile
+from woz_tui.features.proposals.kinds import ProposedItem, SuggestOffered, SuggestSettings
 from woz_tui.features.study.condition_proposal import propose
 from woz_tui.features.study.kinds import AskProposal
 from woz_tui.features.study.section import DESIGN
@@ -93,10 +97,34 @@ def interview() -> ScriptedFeed:
     return _told(demo_session.demo(steps, moment, "interview", who=demo_session.TALKING))
 
 
-def _told(first: Welcome) -> ScriptedFeed:
+def proposing() -> ScriptedFeed:
+    """The same with a model that proposes what to say."""
+    steps, moment = demo_session.INTERVIEW[:5], demo_session.INTERVIEW_MOMENT
+    first = demo_session.demo(steps, moment, "interview", who=demo_session.TALKING)
+    sentences = ("I would like to hear more about your kitchen.", "What did you cook there?")
+    items = [ProposedItem(str(place), text=text) for place, text in enumerate(sentences)]
+    offered = SuggestOffered(
+        set="s1", source="model", who="suggest", items=items, until=first.t + 14_000_000
+    )
+    return _told(first, SuggestSettings(sources=["model"]), offered)
+
+
+def dictating() -> ScriptedFeed:
+    """The field that listens."""
+    attached = m.ConsoleAttached(console="p1", role="program", name="dictate")
+    first = demo_session.demo(demo_session.WORKING)
+    text = Dictated(dictation=1, text="That is the heart of a blue whale")
+    return _told(first, attached, DictationListens(on=True, console=first.console), text)
+
+
+def _told(first: Welcome, *messages: m.Message) -> ScriptedFeed:
     feed = ScriptedFeed()
     feed.round_trip_us = 23_000
-    feed.begin_with(first)
+    stamped = (
+        msgspec.structs.replace(message, seq=10**6 + place, t=first.t)
+        for place, message in enumerate(messages)
+    )
+    feed.begin_with(first, *stamped)
     return feed
 
 
@@ -245,6 +273,9 @@ SHOTS = (
     Shot("help", 80, 24, demo, keys=("?",)),
     Shot("questionnaire", 80, 24, questionnaire, keys=("*", "q", "8")),
     Shot("trial", 80, 24, trial, keys=("*",)),
+    Shot("slots", 80, 24, interview, keys=("1", "r")),
+    Shot("proposals", 80, 24, proposing),
+    Shot("dictation", 80, 24, dictating, keys=("insert",)),
     Shot("say", 80, 24, demo, keys=("/", "P", "l", "e")),
     Shot("find", 100, 36, working, keys=(":", "p", "o", "i")),
     Shot("light", 80, 24, demo, Appearance(UNICODE, "woz-light")),

@@ -470,9 +470,9 @@ class Console(ScreenApp):
 
     def _begins(self) -> tuple[str, str]:
         """The key of what is to begin before anything comes next, and what; without a key, why
-        nothing is.
+        nothing is. Of several features the last has it.
         """
-        for name, each in pieces("console", FeatureConsole).items():
+        for name, each in reversed(pieces("console", FeatureConsole).items()):
             found = answer_of(name, None, each.begins, self.state) if each.begins else None
             if found is not None:
                 key, what = found

@@ -75,6 +75,16 @@ async def test_a_stop_in_a_training_makes_a_cue_void_and_the_list_counts_it_no_m
         assert "3 of 5 cues" in pilot.text("EventList")
 
 
+async def test_the_row_of_what_comes_next_names_the_training_and_no_trial() -> None:
+    """Also where the file has trials: the same key begins both."""
+    async with piloted_console(replace(study_scene.welcome(), script=[])) as pilot:
+        assert "*  begins trial" in pilot.text("StopBar")
+        await pilot.tell(WAITS)
+        assert "*  begins the training" in pilot.text("StopBar")
+        await pilot.tell(RUNS)
+        assert "no trials in a training" in pilot.text("StopBar")
+
+
 async def test_the_score_stands_on_the_screen_at_the_end() -> None:
     async with piloted_console() as pilot:
         await pilot.tell(OVER)

@@ -197,6 +197,19 @@ def _instead_of_trial(state: ConsoleState) -> str | None:
     return _dialog(state) if training is not None and training.state == "waits" else None
 
 
+def _begins(state: ConsoleState) -> tuple[str, str] | None:
+    """Where the file has trials: a training has none, since nobody takes part in it."""
+    training = state.session.history(TrainingHistory).training
+    if training is None or not state.session.study.between_trials:
+        return None
+    if training.state == "waits":
+        return "trial", say("training.begins_now", "begins the training")
+    return "", say("training.no_trials", "no trials in a training")
+
+
 CONSOLE = FeatureConsole(
-    board=Board(_lines, _rows), offers=_offer, instead={"trial": _instead_of_trial}
+    board=Board(_lines, _rows),
+    offers=_offer,
+    instead={"trial": _instead_of_trial},
+    begins=_begins,
 )

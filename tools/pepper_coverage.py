@@ -10,6 +10,7 @@ from collections import Counter
 from woz_drivers.pepper.model import PEPPER
 
 from tools import marked_tests as marked
+from woz_tui.config.woz4u.woz4u_keys import AUTONOMY, TOP_LEVEL
 from woz_tui.drivers.robot_settings import RobotSetting
 
 
@@ -108,77 +109,27 @@ CALLS: dict[str, str] = {
     "SpeechDetected": "where speech begins and ends",
 }
 
-#: Every key of a WoZ4U file, and conversion.
-KEYS: dict[str, str] = {
-    "pepper_ips": "the driver's `robots`",
-    "camera_save_dir": "the driver's `pictures`",
-    "audio_save_dir": "the driver's `recordings`",
-    **{
-        f"lock_{section}_section": f"the panel {panel} is locked, and with it its verbs"
-        for section, panel in (
-            ("autonomous_life", "Autonomy"),
-            ("movement_control", "Movement"),
-            ("tablet", "Tablet"),
-            ("anim_speech", "Speech"),
-            ("volume", "Voice"),
-            ("audio", "Sounds"),
-            ("gesture", "Gestures"),
-            ("color", "Eyes"),
-            ("eye_anim", "Eye animations"),
-        )
-    },
-    "autonomous_life_config": "the driver's `autonomy`, applied on connect",
-    "autonomous_state": "`autonomy: {state: ...}`",
-    "tangential_collision": "`autonomy: {tangential: ...}`",
-    "orthogonal_collision": "`autonomy: {orthogonal: ...}`",
-    "blinking": "`autonomy: {blinking: ...}`",
-    "basic_awareness": "`autonomy: {awareness: ...}`",
-    "engagement_mode": "`autonomy: {engagement: ...}`",
-    "head_breathing": "`autonomy: {head_breathing: ...}`",
-    "arms_breathing": "`autonomy: {arms_breathing: ...}`",
-    "body_breathing": "`autonomy: {body_breathing: ...}`",
-    "legs_breathing": "`autonomy: {legs_breathing: ...}`",
-    "listening_movement": "`autonomy: {listening_movement: ...}`",
-    "speaking_movement": "`autonomy: {speaking_movement: ...}`",
-    "default_head_turn_deg": "`steps: {head: ...}`",
-    "default_turn_deg": "`steps: {turn: ...}`",
-    "default_drive_dist": "`steps: {drive: ...}`, in metres",
-    "tablet_root_location": "the driver's `tablet: {root: ...}`",
-    "tablet_items": "panel Tablet, verb `screen`",
-    "is_default_img": "the driver's `tablet: {default: ...}`",
-    "animated_speech": "panel Speech, verbs `say` and `read`",
-    "volume": "the driver's `voice: {volume: ...}`",
-    "voice_speed": "the driver's `voice: {speed: ...}`",
-    "voice_pitch": "the driver's `voice: {pitch: ...}`",
-    "audio_files": "panel Sounds, verb `sound`",
-    "gestures": "panel Gestures, verb `play`",
-    "colors": "panel Eyes, verb `eyes`",
-    "is_default": "the driver's `eyes`",
-    "rasta_anim": "panel Eye animations, verb `eyes_animation`",
-    "random_anim": "panel Eye animations, verb `eyes_animation`",
-    "rotate_anim": "panel Eye animations, verb `eyes_animation`",
-    "key_comb": "the action's `key`",
-    "tooltip": "the action's `help`",
-    "title": "the action's `label`",
-}
-#: Name of a table -> the mark of its tests, its rows, the heading of its second column.
-TABLES = {
-    "calls": ("naoqi", CALLS, "call", "how a wizard reaches it"),
-    "keys": ("woz4u", KEYS, "key", "conversion"),
-}
+#: Every key of a WoZ4U file that stands for something here.
+KEYS = (
+    *TOP_LEVEL,
+    *AUTONOMY,
+    *("is_default_img", "is_default", "key_comb", "tooltip", "title"),
+)
+#: Name of a table -> the mark of its tests, its rows.
+TABLES = {"calls": ("naoqi", [*CALLS]), "keys": ("woz4u", [*KEYS])}
 
 
 def uncovered(table: str) -> list[str]:
     """Rows of a table that no test shows."""
-    mark, rows, *_ = TABLES[table]
+    mark, rows = TABLES[table]
     shown = {one.statement for one in marked.found(mark)}
     return [name for name in rows if name not in shown]
 
 
 def unknown(table: str) -> list[str]:
     """Marks that name no row."""
-    mark, rows, *_ = TABLES[table]
-    return sorted({one.statement for one in marked.found(mark)} - rows.keys())
+    mark, rows = TABLES[table]
+    return sorted({one.statement for one in marked.found(mark)} - {*rows})
 
 
 def page() -> str:
@@ -186,9 +137,10 @@ def page() -> str:
     return f"""\
 # Pepper: every setting, call and key, and which test shows it
 
-Look up here which verb changes a setting of the robot, how a wizard reaches a call of NAOqi, what
-becomes of a key of a WoZ4U file, and which tests show that it works. `make generated` writes this
-page; `pytest -m naoqi` and `pytest -m woz4u` run the tests.
+Look up here which verb changes a setting of the robot, how a wizard reaches a call of NAOqi, and
+which tests show that it works, and [what becomes of a key of a WoZ4U
+file](../how-to/woz4u.md#how-each-key-is-converted). `make generated` writes this page; `pytest -m
+naoqi` and `pytest -m woz4u` run the tests.
 
 ## Every setting
 
@@ -198,22 +150,30 @@ As the robot's screen (`@`) shows them.
 
 ## Every call
 
-{_table("calls")}
+{_calls()}
 
 ## Every key of a WoZ4U file
 
-{_table("keys")}
+{_keys()}
 """
 
 
-def _table(name: str) -> str:
-    mark, rows, first, second = TABLES[name]
+def _calls() -> str:
+    head = ("| call | how a wizard reaches it | tests |", "|---|---|---|")
+    tests = _tests("calls")
+    return "\n".join([*head, *(f"| `{row}` | {CALLS[row]} | {tests[row]} |" for row in CALLS)])
+
+
+def _keys() -> str:
+    rows = [f"| `{key}` | {shown} |" for key, shown in _tests("keys").items()]
+    return "\n".join(["| key | tests |", "|---|---|", *rows])
+
+
+def _tests(table: str) -> dict[str, str]:
+    """Row -> the tests that show it."""
+    mark, rows = TABLES[table]
     tests = marked.by_statement(marked.found(mark))
-    lines = [
-        f"| `{row}` | {reached} | {marked.cell(tests.get(row, {}))} |"
-        for row, reached in rows.items()
-    ]
-    return "\n".join([f"| {first} | {second} | tests |", "|---|---|---|", *lines])
+    return {row: marked.cell(tests.get(row, {})) for row in rows}
 
 
 def _settings() -> str:

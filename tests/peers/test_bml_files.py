@@ -261,11 +261,15 @@ CASES = (
 
 
 async def test_the_testers_blocks_are_played_and_told_as_it_asks(tmp_path: Path) -> None:
+    blocks = place("bml-files") / "tester" / "testcases" / "bml-1" / "core"
     broker = Broker("activemq", tmp_path, StompPlace("127.0.0.1", free_port(PORTS)))
     try:
         broker.start()
         found = await asyncio.gather(
-            *(_problems(case, broker.place, tmp_path / str(at)) for at, case in enumerate(CASES))
+            *(
+                _problems(case, blocks, broker.place, tmp_path / str(at))
+                for at, case in enumerate(CASES)
+            )
         )
     finally:
         broker.end()
@@ -281,7 +285,7 @@ def _experiment(folder: Path, catalogue: Mapping[str, type[Driver]]) -> Experime
     return load(folder / "experiment.yaml", catalogue)
 
 
-async def _problems(case: PlayedFiles, there: StompPlace, folder: Path) -> list[str]:
+async def _problems(case: PlayedFiles, blocks: Path, there: StompPlace, folder: Path) -> list[str]:
     """What is not as asked, with a robot and topics of its own."""
     catalogue = installed()
     experiment = _experiment(folder, catalogue)
@@ -302,12 +306,9 @@ async def _problems(case: PlayedFiles, there: StompPlace, folder: Path) -> list[
             await until(lambda: bool(sentences), PATIENCE_S)
             await asyncio.sleep(1.0)  # the broker tells nobody that it has subscribed somebody
             for name in case.files:
-                path = (
-                    place("bml-files") / "tester" / "testcases" / "bml-1" / "core" / f"{name}.xml"
-                )
                 if name == case.files[-1]:
                     await asyncio.sleep(case.pause_s)
-                planner.send(topics.request, path.read_text())
+                planner.send(topics.request, (blocks / f"{name}.xml").read_text())
             ends = {f"{block}:end" for block in case.ends}
             with contextlib.suppress(TimeoutError):  # what is missing is found below
                 await until(lambda: ends <= {each.get("id") for each in told}, PATIENCE_S)

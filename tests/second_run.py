@@ -29,7 +29,7 @@ TOO_OFTEN = 3
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    if not hasattr(config, "workerinput"):  # the controller of pytest-xdist hears of all failures
+    if not hasattr(config, "workerinput"):  # the first process hears of all failures
         config.pluginmanager.register(SecondRun(config))
 
 

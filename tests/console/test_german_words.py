@@ -223,7 +223,7 @@ def test_places_of_a_replay_are_worded() -> None:
 async def test_what_a_replay_refuses_is_worded() -> None:
     async with watching(size=(100, 36)) as pilot:
         await pilot.press("g", *"zzz", "enter")
-        assert "gibt es in diesem Protokoll nicht" in pilot.drawn
+        assert "gibt es in diesem Protokoll nicht" in pilot.drawn()
 
 
 def test_of_whom_a_request_is_is_known_by_a_code() -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import itertools
 import os
 from collections.abc import AsyncIterator
@@ -21,7 +22,7 @@ from tests.console.scripted_feed import ScriptedFeed
 from tests.replay.logs import PLAN, SECOND, START, KeptSamples, recording_of, stamped, story
 from woz_tui.console.drawing.glyphs import ASCII, UNICODE
 from woz_tui.console.drawing.theme import Appearance
-from woz_tui.console.link.message_feed import OnLost, OnMessages
+from woz_tui.console.link.message_feed import Incoming, OnLost, OnMessages
 from woz_tui.console.replay.app import ReplayConsole
 from woz_tui.console.replay.commands import ReplayKeyboard
 from woz_tui.log.coding_file import Coding
@@ -44,6 +45,10 @@ class StillReplay(ScriptedFeed):
     def start(self, on_messages: OnMessages, on_lost: OnLost) -> None:
         super().start(on_messages, on_lost)
         self.deliver(*self.player.begin(self.clock.now_us()))
+
+    def deliver(self, *messages: Incoming) -> None:
+        """As they are: a replay is in the console's process."""
+        self._elsewhere(functools.partial(self._on_messages, [*messages]))
 
     def ask(self, request: r.Request) -> int:
         request = msgspec.structs.replace(request, ref=len(self.asked) + 1)

@@ -60,6 +60,9 @@ def test_a_participant_from_the_proposal_to_the_answers(tmp_path: Path) -> None:
             "condition": "B",
             "trial": 1,
             "planned": 4,
+            "wording": {
+                "why": {"code": "study.least_used", "values": {"row": 2, "rows": 2, "count": 1}}
+            },
         }
         assert (await peer.ask("assign", participant="P01", order=data["order"]))["ok"]
         assert (await peer.ask("trial", what="begin"))["ok"]

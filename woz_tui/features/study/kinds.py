@@ -14,7 +14,8 @@ from woz_tui.protocol.requests import Request
 
 class AskProposal(Request, frozen=True, kw_only=True, tag="proposal"):
     """Which conditions should this participant get? The reply's `data` has `order`, `method`,
-    `row`, `why`, and `condition` and `trial`: where this session would go on, of `planned` trials.
+    `row`, `why` (its code and values in `wording`), and `condition` and `trial`: where this session
+    would go on, of `planned` trials.
     """
 
     participant: str

@@ -12,12 +12,15 @@ from tests.console import scenes, study_scene
 from tests.console.dialogs import open_dialog
 from tests.console.piloting import piloted_console
 from tests.console.test_replay_console import watching
+from woz_tui.cli.console_start import ClosedConsole, farewell
 from woz_tui.config.engagement import EngagementSettings
 from woz_tui.config.screen_language import use, word, worded, worded_data
+from woz_tui.console.drawing.glyphs import UNICODE
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.engagement_text import change_reason, forced_by_another
 from woz_tui.console.state.replay import updated
 from woz_tui.features.questionnaires.dialog import LanguageDialog
+from woz_tui.features.repairs.section import LABELS
 from woz_tui.features.study.condition_proposal import propose
 from woz_tui.features.study.design import Design
 from woz_tui.machine.machine_checks import free_space
@@ -170,9 +173,9 @@ async def test_repairs_have_german_names() -> None:
     ]
     async with piloted_console(scenes.welcome(settings={"repairs": repairs})) as pilot:
         row = pilot.text("ActionRow")
-        assert "noch mal" in row
+        assert "erneut" in row
         assert "own" in row
-        assert pilot.console.state.label("repair repeat") == "noch mal"
+        assert pilot.console.state.label("repair repeat") == "erneut"
 
 
 async def test_languages_are_called_what_their_readers_call_them() -> None:
@@ -230,3 +233,26 @@ def test_of_whom_a_request_is_is_known_by_a_code() -> None:
     for source in ("key", "program", "replay", "phase", "driver", "participant"):
         assert "requester." in getattr(requester(source), "code", "")
     assert r.Reply(ref=1, ok=True).wording == {}
+
+
+async def test_all_repairs_stand_in_one_row_of_eighty_columns() -> None:
+    repairs = [
+        ActionView(name=name, label=str(label), code=label.code, verbs=["say"])
+        for name, label in LABELS.items()
+    ]
+    async with piloted_console(scenes.welcome(settings={"repairs": repairs})) as pilot:
+        row = pilot.text("ActionRow")
+        assert all(word(label) in row for label in LABELS.values())
+        assert UNICODE.ellipsis not in row
+
+
+def test_what_the_shell_says_behind_a_session_is_german() -> None:
+    told = farewell(
+        ClosedConsole("detached", 0, abandon_after=600.0), "attach", Path("P01.jsonl")
+    )
+    assert told == [
+        "Die Sitzung geht weiter; `woz attach` führt zu ihr zurück.",
+        "Ohne Konsole endet sie nach 10 min von selbst"
+        " (`session: {abandon_after: 1 h}` in der Versuchsdatei ändert das).",
+        "Protokoll: P01.jsonl",
+    ]

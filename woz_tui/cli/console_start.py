@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from woz_tui.cli import GC_THRESHOLDS
 from woz_tui.cli.progress import progress
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
-from woz_tui.config.screen_language import choose
+from woz_tui.config.screen_language import choose, say
 from woz_tui.console.link.host_start import Launch, LaunchError, RobotProcess
 from woz_tui.log.file_names import current_path
 from woz_tui.system.text_cleaning import lasting
@@ -121,23 +121,39 @@ def farewell(closed: ClosedConsole, again: str, log: Path | None) -> list[str]:
     """
     lines = []
     if closed.left == "detached":
-        lines.append(f"The session continues; join it again with `{woz()} {again}`.")
+        lines.append(
+            say(
+                "leave.goes_on",
+                "The session continues; join it again with `{woz} {again}`.",
+                woz=woz(),
+                again=again,
+            )
+        )
         if closed.abandon_after:
             after = lasting(closed.abandon_after)
             lines.append(
-                f"Without a console it ends by itself after {after}"
-                " (`session: {abandon_after: 1 h}` in the experiment file changes that)."
+                say(
+                    "leave.abandoned",
+                    "Without a console it ends by itself after {after}"
+                    " (`session: {{abandon_after: 1 h}}` in the experiment file changes that).",
+                    after=after,
+                )
             )
     if log is None:
         return lines
     log = current_path(log)
     said = log.with_suffix(".host.log")
-    lines.append(f"Log: {log}")
+    lines.append(say("leave.log_file", "Log: {log}", log=log))
     if closed.left == "ended":
         name = shlex.quote(str(log))
-        lines += [f"Its figures: {woz()} report {name}", f"See it again: {woz()} replay {name}"]
+        lines += [
+            say("leave.figures", "Its figures: {woz} report {log}", woz=woz(), log=name),
+            say("leave.see_again", "See it again: {woz} replay {log}", woz=woz(), log=name),
+        ]
     if said.is_file() and said.stat().st_size:
-        lines.append(f"Errors of drivers and of the robot process: {said}")
+        lines.append(
+            say("leave.errors", "Errors of drivers and of the robot process: {file}", file=said)
+        )
     return lines
 
 

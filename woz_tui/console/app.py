@@ -326,7 +326,7 @@ class Console(ScreenApp):
             self._was_lost = False
             calls("screens.lost:close_lost")(self)
             self._tell_return()
-        text, remedy = self.greeting
+        text, remedy = map(word, self.greeting)
         if text:
             self.greeting = ("", "")
             self._list_warning(text, remedy)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from rich.cells import cell_len
 
-from woz_tui.config.engagement_words import CONDITION
+from woz_tui.config.engagement_words import CONDITION, UNKNOWN
 from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Piece, Row, clean, cut_rows, fit, length, spread
 from woz_tui.console.drawing.glyphs import PaintFrame
@@ -204,6 +204,8 @@ def _sensed(name: str, sign: m.SignShown) -> str:
     """The last sample, without any filter."""
     if sign.filter in (KEPT, COARSE):
         return hidden_word() if sign.filter == KEPT else say("engagement.blurred", "blurred")
+    if name not in CONDITION and sign.raw_name == UNKNOWN:
+        return say("engagement.no_identity", "Unknown")
     if name not in CONDITION:
         return clean(sign.raw_name) or say("meters.nothing", "nothing")
     if sign.raw is None:

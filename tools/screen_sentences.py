@@ -24,7 +24,7 @@ from woz_tui.protocol.sentence import Sentence
 #: What makes a sentence of a code and its English, by module.
 MAKERS = {"woz_tui.protocol.sentence": "Sentence", "woz_tui.config.screen_language": "say"}
 #: A code whose parts are texts in YAML, where `no` is false.
-_CODE = re.compile(r"[a-z_]+\.(?!(?:y|n|yes|no|on|off|true|false|null)$)[a-z][a-z0-9_]*")
+_CODE = re.compile(r"[a-z_][a-z0-9_]*\.(?!(?:y|n|yes|no|on|off|true|false|null)$)[a-z][a-z0-9_]*")
 #: Files that make sentences of what is no text of theirs.
 _OF_OTHERS = ("sentence.py", "screen_language.py", "console_keys.py")
 HEAD = """\

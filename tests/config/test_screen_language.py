@@ -29,7 +29,10 @@ from woz_tui.gate.questions import PlayAction, RequestOrigin
 from woz_tui.gate.table import locked_panel, why_not
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
 from woz_tui.protocol.sentence import Sentence
+from woz_tui.protocol.welcome import StudySettings
+from woz_tui.session.redactor import Redactor
 
 #: Languages that lack nothing.
 WHOLE = ("de",)
@@ -149,6 +152,23 @@ def test_code_and_values_come_with_the_message_and_are_worded_there() -> None:
     german = worded(came)
     assert german.text == "es gibt keine Aktion 'Wave' (late)"
     assert german.remedy == "ask the engineer", "what has no code stays"
+
+
+def test_lines_of_an_answer_are_worded_and_what_is_hidden_has_no_code() -> None:
+    said = [locked_panel("Speech").reason, "guide.yaml", {"count": 1}]
+    came = codec.decode_incoming(codec.encode(r.Reply(ref=1, ok=True, data=said)))
+    assert isinstance(came, r.Reply)
+    assert came.data == ["the panel 'Speech' is locked", "guide.yaml", {"count": 1}]
+    assert set(came.wording) == {"data.0"}
+    use("de")
+    assert worded(came).data == ["die Gruppe 'Speech' ist gesperrt", "guide.yaml", {"count": 1}]
+    blind = Redactor(StudySettings(blind={"warm": "A"}))
+    seen = blind.reply(r.Reply(ref=1, ok=True, data=said), {str(said[0]): "guide.yaml:3:1"})
+    hidden = codec.decode_incoming(codec.encode(seen))
+    assert isinstance(hidden, r.Reply)
+    assert isinstance(hidden.data, list)
+    assert hidden.data[0] == "guide.yaml:3:1"
+    assert not hidden.wording
 
 
 def test_a_longer_text_of_it_is_a_plain_text() -> None:

@@ -15,6 +15,7 @@ from woz_tui.cli.session_choice import find_session
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.problems import ProblemReport
 from woz_tui.drivers.plugins import PluginError
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system import session_sockets
 from woz_tui.system.session_sockets import SessionSocketError, answers, bind, folder, inode
 
@@ -136,6 +137,31 @@ async def test_a_reload_of_a_broken_file_says_which_file_to_check(tmp_path: Path
         reply = await peer.ask("reload")
         assert host.session.experiment.path.name in reply["hint"]
         assert len(reply["data"]) == 1
+
+
+async def test_what_is_wrong_with_the_file_has_a_code_for_programs(tmp_path: Path) -> None:
+    report = ProblemReport()
+    report.error_at(
+        "panels", Sentence("check.no_panel", "there is no panel {name}{near}", name="'A'", near="")
+    )
+    report.error_at("robot", "the driver's own words")
+
+    def load() -> Experiment:
+        report.raise_errors()
+        raise AssertionError
+
+    async with served_session(tmp_path, load=load) as host:
+        peer = await host.connect()
+        await peer.hello(stream="nothing")
+        reply = await peer.ask("reload")
+        assert [line.rpartition(": ")[2] for line in reply["data"]] == [
+            "there is no panel 'A'",
+            "the driver's own words",
+        ]
+        first, second = (reply["wording"][f"data.{at}"] for at in range(2))
+        assert first["code"] == second["code"] == "check.error"
+        assert first["values"]["message"]["code"] == "check.no_panel"
+        assert second["values"]["message"] == "the driver's own words"
 
 
 # -- what may be in the place of a folder ----------------------------------------------------------

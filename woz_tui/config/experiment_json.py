@@ -11,6 +11,7 @@ from woz_tui.config.experiment import Action, DriverSpec, Experiment
 from woz_tui.config.file_position import Problem
 from woz_tui.drivers.contract import Verb
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Wording, wording_of
 
 _PROBLEM = ("path", "message", "warning")
 _ARGUMENT = ("name", "kind", "summary", "required", "default")
@@ -68,10 +69,21 @@ def drivers_json(drivers: Iterable[DriverSpec]) -> list[Json]:
 
 
 def problems_json(problems: list[Problem]) -> list[Json]:
-    return [
-        {**asdict(problem.place), **{name: getattr(problem, name) for name in _PROBLEM}}
-        for problem in problems
-    ]
+    """What is wrong, with its place. `code` and `values` of `message` are those of its sentence,
+    empty where a driver or the parser says it.
+    """
+    found: list[Json] = []
+    for problem in problems:
+        said = wording_of({"message": problem.message}).get("message", Wording(""))
+        found.append(
+            {
+                **asdict(problem.place),
+                **{name: getattr(problem, name) for name in _PROBLEM},
+                "code": said.code,
+                "values": said.values,
+            }
+        )
+    return found
 
 
 def _key_json(action: Action, assigned: keys.AssignedKey, main_names: Mapping[str, str]) -> Json:

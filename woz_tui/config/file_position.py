@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from woz_tui.protocol.sentence import Sentence
+
 
 @dataclass(frozen=True, slots=True)
 class FilePosition:
@@ -23,7 +25,11 @@ NOWHERE = FilePosition("", 0, 0)
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One error or warning in a file; `where` says its `path` in words, where there are any."""
+    """One error or warning in a file; `where` says its `path` in words, where there are any.
+
+    `message` is a `Sentence` where it is the program's own, and a plain text where a driver or the
+    parser of a file's language says it.
+    """
 
     place: FilePosition
     path: str
@@ -31,9 +37,30 @@ class Problem:
     warning: bool = False
     where: str = ""
 
+    @property
+    def sentence(self) -> Sentence:
+        """The problem with its place, as people read it."""
+        values = {
+            "place": str(self.place),
+            "where": self.where or self.path,
+            "message": self.message,
+        }
+        if self.warning:
+            return Sentence("check.warning", "{place}: warning: {where}: {message}", **values)
+        return Sentence("check.error", "{place}: {where}: {message}", **values)
+
+    def in_line(self, what: str) -> Sentence:
+        """The problem in a sentence about the experiment file, which everybody knows."""
+        return Sentence(
+            "check.in_line",
+            "line {line}, {what}: {message}",
+            line=self.place.line,
+            what=what,
+            message=self.message,
+        )
+
     def __str__(self) -> str:
-        warning = "warning: " if self.warning else ""
-        return f"{self.place}: {warning}{self.where or self.path}: {self.message}"
+        return str(self.sentence)
 
 
 class ExperimentError(Exception):

@@ -14,6 +14,7 @@ import msgspec
 
 from woz_tui.config.file_position import ExperimentError, FilePosition, Problem
 from woz_tui.drivers.secret_arguments import without_passwords
+from woz_tui.protocol.sentence import Sentence
 
 if TYPE_CHECKING:
     from woz_tui.config.file_text import SourceFile
@@ -140,13 +141,15 @@ class ProblemReport:
         words = list(known)
         near = self.nearest(wrong, words)
         if near is not None:
-            return f"; did you mean {near!r}?"
+            return did_you_mean(near)
         return self.choices(or_list, words) if or_list else ""
 
     def choices(self, what: str, words: Iterable[str], most: int = MAX_LISTED) -> str:
         """`; <what>: a, b, c`, as long as anybody will read it."""
         shown = "" if self.has_too_many else listed(words, most)
-        return f"; {what}: {shown}" if shown else ""
+        if not shown:
+            return ""
+        return Sentence("check.choices", "; {what}: {words}", what=what, words=shown)
 
     def nearest(self, wrong: str, known: Iterable[str]) -> str | None:
         """The known word that was probably meant, as long as anybody will read it: looking for
@@ -164,7 +167,12 @@ class ProblemReport:
         errors = self.errors
         if len(errors) > MAX_PROBLEMS:
             last = errors[MAX_PROBLEMS]
-            rest = f"and {len(errors) - MAX_PROBLEMS} more errors"
+            rest = Sentence(
+                "check.more_errors",
+                "and {count} more errors",
+                one="and 1 more error",
+                count=len(errors) - MAX_PROBLEMS,
+            )
             errors = [*errors[:MAX_PROBLEMS], Problem(last.place, last.path, rest)]
         if errors:
             raise ExperimentError(errors)
@@ -174,7 +182,7 @@ class ProblemReport:
     ) -> Problem:
         name = _printable(self._named(place, path)) or "file"
         if not warning and (why := self._explanations.get(place)) and why not in message:
-            message = f"{message}; {why}"
+            message = with_remedy(message, why)
         problem = Problem(place, name, _printable(message), warning or self._lenient)
         self._problems.setdefault(problem)
         self._messages.add((place, problem.message))
@@ -208,6 +216,8 @@ class ProblemReport:
 
 def _printable(text: str) -> str:
     """Names in a file may hold anything; a line of a report may not. It is read by others, too."""
+    if isinstance(text, Sentence):
+        return text.cleaned(_printable)
     text = without_passwords(text)
     if text.isprintable():
         return text
@@ -224,7 +234,35 @@ def join(path: str, name: str) -> str:
 def hint(wrong: str, known: Iterable[str]) -> str:
     """`; did you mean 'x'?` for the nearest known word, or nothing."""
     near = nearest_word(wrong, known)
-    return "" if near is None else f"; did you mean {near!r}?"
+    return "" if near is None else did_you_mean(near)
+
+
+def with_remedy(text: str, remedy: str) -> str:
+    """`what is wrong; what helps`, or why it may be so."""
+    if not remedy:
+        return text
+    return Sentence("check.with_remedy", "{text}; {remedy}", text=text, remedy=remedy)
+
+
+def either(words: Iterable[str]) -> str:
+    """`a or b or c`."""
+    first, *others = words
+    for other in others:
+        first = Sentence("check.either", "{first} or {other}", first=first, other=other)
+    return first
+
+
+def together(words: Iterable[str]) -> str:
+    """`a and b and c`."""
+    first, *others = words
+    for other in others:
+        first = Sentence("check.together", "{first} and {other}", first=first, other=other)
+    return first
+
+
+def did_you_mean(near: str) -> Sentence:
+    """`; did you mean 'x'?`, behind what is wrong."""
+    return Sentence("check.did_you_mean", "; did you mean {near!r}?", near=near)
 
 
 #: Words that people write for ours, by ours.

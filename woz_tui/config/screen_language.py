@@ -125,6 +125,13 @@ def worded(line: T) -> T:
         for field, each in wording.items()
         if isinstance(getattr(line, field, None), str)
     }
+    if isinstance(data := getattr(line, "data", None), list):
+        texts["data"] = [
+            _filled(each.code, each.values, text)
+            if isinstance(text, str) and (each := wording.get(f"data.{at}"))
+            else text
+            for at, text in enumerate(data)
+        ]
     changed: T = msgspec.structs.replace(line, **texts)  # type: ignore[type-var]
     return changed
 

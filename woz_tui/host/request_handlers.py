@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
+import functools
 import logging
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -14,6 +15,7 @@ from msgspec.structs import replace
 
 from woz_tui.config.experiment import Call, Experiment
 from woz_tui.config.file_position import ExperimentError
+from woz_tui.config.problems import with_remedy
 from woz_tui.config.reload_changes import compare
 from woz_tui.drivers.contract import Finding, HandInput
 from woz_tui.gate.facts import Facts
@@ -81,6 +83,8 @@ NOT_OF_CLIENTS = frozenset(
 )
 #: What takes its time, because it reads files or asks devices.
 Slow = AskReload | AskKeepTyped | AskPredict | AskPreflight
+#: What a wizard reads instead of a change of the file that tells the condition.
+_HIDDEN_CHANGE = Sentence("reload.hidden", "a change that could reveal the condition")
 #: So many of one kind may wait for each client, while the one before is worked on.
 SLOW_WAITING = 16
 
@@ -456,7 +460,7 @@ class RequestHandlers:
                     "`woz check {name}` tells what is wrong",
                     name=self._session.experiment.path.name,
                 ),
-                data=[str(problem) for problem in error.problems],
+                data=[problem.sentence for problem in error.problems],
             )
             places = {str(problem): str(problem.place) for problem in error.problems}
             return _redacted(client, reply, places)
@@ -492,14 +496,14 @@ class RequestHandlers:
         """Read in a thread: a network folder must not hold up the robot."""
         experiment = await asyncio.to_thread(self._load)
         if self._session.ended:
-            raise RequestError(Sentence("host.ending", "the session is ending"))
+            raise RequestError(Sentence("gate.ending", "the session is ending"))
         difference = compare(without_typed(self._session.experiment), experiment)
         if difference.drivers:
             raise RequestError(
                 Sentence(
                     "host.drivers_changed",
                     "the drivers changed: {changes}",
-                    changes="; ".join(difference.drivers),
+                    changes=functools.reduce(with_remedy, difference.drivers),
                 ),
                 Sentence(
                     "host.start_anew",
@@ -509,12 +513,12 @@ class RequestHandlers:
         reread = await asyncio.to_thread(self._session.reread, experiment, dry_run=dry_run)
         changes = [*difference.changes, *reread]
         telling = [*difference.telling, *reread]
-        instead.update(dict.fromkeys(telling, "a change that could reveal the condition"))
+        instead.update(dict.fromkeys(telling, _HIDDEN_CHANGE))
         if self._session.ended:
-            raise RequestError(Sentence("host.ending", "the session is ending"))
+            raise RequestError(Sentence("gate.ending", "the session is ending"))
         if not dry_run:
             self.server.restrict(experiment)
-            self._session.adopt(experiment, changes, telling)
+            self._session.adopt(experiment, [*map(str, changes)], [*map(str, telling)])
             self._session.on_panels()
         return [*changes]
 
@@ -545,7 +549,7 @@ def _refused(client: ClientConnection, request: Request, error: RequestError) ->
     hint = error.hint
     if client.view is not None and error.conditions:
         hint = Sentence(
-            "host.there_are",
+            "gate.there_are",
             "there are {names}",
             names=", ".join(client.view.redactor.labels(error.conditions)),
         )

@@ -78,6 +78,10 @@ def _with_wording(message: msgspec.Struct) -> msgspec.Struct:
     fields = {name: getattr(message, name) for name in message.__struct_fields__}
     wording = wording_of(fields)
     texts: dict[str, Any] = {name: str(fields[name]) for name in wording}
+    match fields:
+        case {"data": list(data), "wording": dict()}:  # of an answer: `data.0` is its first line
+            wording |= wording_of({f"data.{at}": line for at, line in enumerate(data)})
+            texts["data"] = [str(line) if isinstance(line, str) else line for line in data]
     if "wording" in fields:
         texts["wording"] = {**fields["wording"], **wording}
     return msgspec.structs.replace(message, **texts)

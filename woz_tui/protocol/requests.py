@@ -409,11 +409,11 @@ class Reply(Answer, frozen=True, kw_only=True, tag="reply"):
 
     `run` names what was started, or what was refused. `reason` says why not, `hint` what would
     help, and `command` which of the console's own keys (its id). `needs`: what has to be given with
-    the request (slots); `wording`: code and values of `reason` and `hint`, where they can be worded
-    in another language. `data` carries what the request asked for. `ended`: the kind of the message
-    with which the run has ended already, so that nobody waits for it. `recorded`: whether every
-    line so far was given to the kernel, so that it is in the log whatever becomes of the robot
-    process.
+    the request (slots); `wording`: code and values of `reason`, `hint` and lines of `data`
+    (`data.0`), where they can be worded in another language. `data` carries what the request asked
+    for. `ended`: the kind of the message with which the run has ended already, so that nobody waits
+    for it. `recorded`: whether every line so far was given to the kernel, so that it is in the log
+    whatever becomes of the robot process.
     """
 
     ref: int

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import msgspec
@@ -66,6 +66,20 @@ class Sentence(str):
         mine: dict[str, Any] = {name: values[name] for name in self.values}
         return Sentence(self.code, self, **mine)
 
+    def cleaned(self, clean: Callable[[str], str]) -> Sentence:
+        """The same, its text and the texts among its values as `clean` has them."""
+        sentence = super().__new__(type(self), clean(str(self)))
+        sentence.code = self.code
+        sentence.values = {
+            name: value.cleaned(clean)
+            if isinstance(value, Sentence)
+            else clean(value)
+            if isinstance(value, str)
+            else value
+            for name, value in self.values.items()
+        }
+        return sentence
+
     def wording(self, *, inner: bool = False) -> Wording:
         """What is sent beside the text, or with it where it is `inner`."""
         values = {
@@ -75,3 +89,11 @@ class Sentence(str):
             for name, value in self.values.items()
         }
         return Wording(self.code, values, str(self) if inner else "")
+
+
+def said_by(error: Exception) -> str:
+    """The text of an error, which knows its code if it was raised with a sentence."""
+    match error.args:
+        case (Sentence() as sentence, *_):
+            return sentence
+    return str(error)

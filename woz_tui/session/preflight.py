@@ -79,9 +79,12 @@ def _file(session: Session) -> list[Finding]:
     odd = session.experiment.warnings
     if not odd:
         return []
-    first = f"line {odd[0].place.line}, {odd[0].path}: {odd[0].message}"
-    more = f"; and {len(odd) - 1} more" if len(odd) > 1 else ""
-    return [Finding("warning", _FILE, first + more, f"woz check {session.experiment.path.name}")]
+    first = odd[0].in_line(odd[0].path)
+    if len(odd) > 1:
+        first = Sentence(
+            "session.and_more", "{first}; and {number} more", first=first, number=len(odd) - 1
+        )
+    return [Finding("warning", _FILE, first, f"woz check {session.experiment.path.name}")]
 
 
 def _drivers(session: Session) -> list[Finding]:
@@ -215,7 +218,7 @@ def _stop(session: Session) -> Finding:
         return Finding(
             "error",
             _STOP,
-            Sentence("session.stopped", "the stop is pressed"),
+            Sentence("gate.stopped", "the stop is pressed"),
             Sentence("session.release_stop", "release the stop"),
         )
     return Finding("ok", _STOP, Sentence("session.stop_released", "released"))

@@ -101,7 +101,7 @@ def _publish_key_notices(hub: Hub, experiment: Experiment) -> None:
     """Tell of keys that do not play what the file says: nobody may have checked it before."""
     odd = [one for one in experiment.warnings if one.path.rpartition(".")[2] in _KEY_FIELDS]
     for problem in odd[:_MOST_KEYS]:
-        text = f"line {problem.place.line}, {problem.where or problem.path}: {problem.message}"
+        text = problem.in_line(problem.where or problem.path)
         hub.publish(m.Notice(level="warning", text=text, tells=("condition",)))
     if len(odd) > _MOST_KEYS:
         text = Sentence(

@@ -13,6 +13,8 @@ from tests.config.reading import HEAD, errors, panel
 from woz_tui.config.file_position import ExperimentError
 from woz_tui.config.loading import load
 from woz_tui.config.problems import MAX_PROBLEMS
+from woz_tui.config.screen_language import catalogue
+from woz_tui.protocol.sentence import Sentence
 
 
 @pytest.mark.parametrize("name", names())
@@ -20,6 +22,21 @@ def test_every_broken_file_says_exactly_what_its_golden_file_says(name: str) -> 
     said = sentences(name)
     assert said, f"{name}.yaml was read without an error"
     assert said == (BROKEN / f"{name}.txt").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_problem_has_a_code_and_german_words(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(BROKEN)
+    with pytest.raises(ExperimentError) as caught:
+        load(Path(f"{name}.yaml"), CATALOGUE)
+    german = catalogue("de")
+    for problem in caught.value.problems:
+        if isinstance(problem.message, Sentence):
+            assert problem.message.code in german
+        else:  # what a driver says of its settings
+            assert "drivers." in problem.path, problem
 
 
 def test_there_are_enough_broken_files() -> None:

@@ -13,6 +13,7 @@ from woz_tui.config.verb_calls import CallReader, Vocabulary
 from woz_tui.config.yaml_cursor import Cursor, read_seconds, read_text, read_word
 from woz_tui.config.yaml_nodes import ListNode, ScalarNode
 from woz_tui.drivers.fields import Range
+from woz_tui.protocol.sentence import Sentence, said_by
 
 #: What an action may say beside verbs and their arguments.
 ACTION_FIELDS = names_of(ActionEntry)
@@ -52,7 +53,9 @@ class StepReader:
 
     def step(self, cursor: Cursor, on: Cursor | None = None) -> Step | None:
         """`{say: Hello, eyes: green}` or `{wait: 0.5}`; `on` if the step names nobody itself."""
-        table = cursor.table("a step, such as {say: Hello} or {wait: 0.5}")
+        table = cursor.table(
+            Sentence("check.a_step", "a step, such as {{say: Hello}} or {{wait: 0.5}}")
+        )
         if table is None:
             return None
         if set(table) == {WAIT.name}:
@@ -75,9 +78,9 @@ class PanelReader:
 
     def read(self, cursor: Cursor) -> list[Panel]:
         """Every panel that has a title and actions."""
-        entries = cursor.list("a list of panels")
+        entries = cursor.list(Sentence("check.panels", "a list of panels"))
         if entries is not None and not entries:
-            cursor.error("a panel is missing here")
+            cursor.error(Sentence("check.panel_missing", "a panel is missing here"))
         return [panel for entry in entries or () if (panel := self._panel(entry)) is not None]
 
     def _panel(self, cursor: Cursor) -> Panel | None:
@@ -85,9 +88,13 @@ class PanelReader:
         if panel is None:
             return None
         listed = dict(cursor.entries()).get("actions")
-        entries = listed.list("a list of actions") if listed is not None else None
+        entries = (
+            listed.list(Sentence("check.actions", "a list of actions"))
+            if listed is not None
+            else None
+        )
         if listed is not None and entries == []:
-            listed.warning("an action is missing here")
+            listed.warning(Sentence("check.action_missing", "an action is missing here"))
         read = [self._action(entry, panel.title) for entry in entries or ()]
         drafts = [draft for draft in read if draft is not None]
         self.drafts += drafts
@@ -95,7 +102,13 @@ class PanelReader:
         return Panel(panel.title, actions, cursor.place, panel.locked, panel.covers, panel.for_)
 
     def _action(self, cursor: Cursor, panel: str) -> ActionDraft | None:
-        table = cursor.table(f"an action, such as {ActionEntry.example}")
+        table = cursor.table(
+            Sentence(
+                "check.an_action_such_as",
+                "an action, such as {example}",
+                example=ActionEntry.example,
+            )
+        )
         entry = read_partly(cursor.only(ACTION_FIELDS), ActionEntry)
         if table is None or entry is None:
             return None
@@ -123,20 +136,32 @@ class PanelReader:
         written: str | list[str] = ""
         match cursor.node:
             case ListNode():
-                parts = [read_text(entry, "a key") for entry in cursor.items()]
+                parts = [
+                    read_text(entry, Sentence("check.a_key", "a key")) for entry in cursor.items()
+                ]
                 written = [part for part in parts if part is not None]
             case ScalarNode(is_empty=False, text=text):
                 written = text
             case ScalarNode():
-                cursor.error("a key is missing here; characters such as # - ! & * need quotes")
+                cursor.error(
+                    Sentence(
+                        "check.key_missing_quotes",
+                        "a key is missing here; characters such as # - ! & * need quotes",
+                    )
+                )
                 return ""
             case _:
-                cursor.error("expected a key such as a, F1 or ctrl+a, not a mapping")
+                cursor.error(
+                    Sentence(
+                        "check.key_not_mapping",
+                        "expected a key such as a, F1 or ctrl+a, not a mapping",
+                    )
+                )
                 return ""
         try:
             return normal_key(written, self._layout)
         except KeyNameError as error:
-            cursor.error(str(error))
+            cursor.error(said_by(error))
             return ""
 
     def _steps(
@@ -148,12 +173,22 @@ class PanelReader:
             step = self._reader.until_arrived(together, fields.get("until"))
             return [step] if step is not None else []
         if "until" in fields:
-            fields["until"].error("cannot be next to steps; put it into one of the steps")
+            fields["until"].error(
+                Sentence(
+                    "check.beside_steps", "cannot be next to steps; put it into one of the steps"
+                )
+            )
         for entry in table.values():
-            entry.error("cannot be next to steps; put it into one of the steps")
-        entries = steps.list("a list of steps, such as [{say: Hello}, {wait: 0.5}]")
+            entry.error(
+                Sentence(
+                    "check.beside_steps", "cannot be next to steps; put it into one of the steps"
+                )
+            )
+        entries = steps.list(
+            Sentence("check.steps", "a list of steps, such as [{{say: Hello}}, {{wait: 0.5}}]")
+        )
         if entries is not None and not entries:
-            steps.error("a step is missing here")
+            steps.error(Sentence("check.step_missing", "a step is missing here"))
         return [
             step for entry in entries or () if (step := self._reader.step(entry, on)) is not None
         ]

@@ -22,13 +22,15 @@ from typing import Annotated, Any, Final, Literal, TypeVar
 from woz_tui.config import media_files
 from woz_tui.config.file_position import FilePosition, Problem
 from woz_tui.config.file_text import SourceFile
-from woz_tui.config.problems import ProblemReport, join
+from woz_tui.config.problems import ProblemReport, either, join
 from woz_tui.config.yaml_cursor import (
     TEXT_WITH_BRACKET,
     Cursor,
     document,
+    expectation,
     missing,
     named_source,
+    one_of_words,
     read_flag,
     read_number,
     read_seconds,
@@ -38,6 +40,7 @@ from woz_tui.config.yaml_cursor import (
 )
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode, described
 from woz_tui.drivers import fields
+from woz_tui.protocol.sentence import Sentence, said_by
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -179,8 +182,17 @@ def _values(
 ) -> dict[str, Any] | None:
     """Settings by attribute; wrong ones, and wrong entries by their names, are `INVALID`."""
     entry_of: Any = shape if issubclass(shape, fields.Entry) else None
-    example = f", such as {entry_of.example}" if entry_of and entry_of.example else ""
-    table = cursor.table(f"{entry_of.what}{example}" if entry_of else "a mapping of settings")
+    expected: str = Sentence("check.settings", "a mapping of settings")
+    if entry_of is not None:
+        expected = entry_of.what
+        if entry_of.example:
+            expected = Sentence(
+                "check.such_as",
+                "{what}, such as {example}",
+                what=expected,
+                example=entry_of.example,
+            )
+    table = cursor.table(expected)
     if table is None:
         return None
     items = [item for item in fields_of(shape) if item.attribute not in known]
@@ -199,7 +211,12 @@ def _values(
     allowed = [*dict.fromkeys([*(item.name for item in items), *others])]
     for name, entry in table.items():
         if name not in allowed:
-            entry.unknown(allowed, f"{entry_of.what} has" if entry_of else "settings here are")
+            entry.unknown(
+                allowed,
+                Sentence("check.entry_has", "{what} has", what=entry_of.what)
+                if entry_of
+                else Sentence("check.settings_are", "settings here are"),
+            )
             values[name] = INVALID
     if entry_of and entry_of.either and not {*entry_of.either} & table.keys():
         doc = next(item.doc for item in items if item.name == entry_of.either[0])
@@ -229,7 +246,7 @@ def _made(cursor: Cursor, shape: type, values: dict[str, Any]) -> Any:
         hints = list(section.warnings())
         included: IncludedFiles | None = None if problems else section.included()
     except Exception as error:  # noqa: BLE001 - a plug-in's code; its failure is the file's error
-        cursor.error(str(error) or type(error).__name__)
+        cursor.error(said_by(error) or type(error).__name__)
         return INVALID
     for say, said in ((cursor.report.error, problems), (cursor.report.warning, hints)):
         for path, message in said:
@@ -299,7 +316,13 @@ def read_value(cursor: Cursor, annotation: Any, notes: tuple[Any, ...] = ()) -> 
         return INVALID if text is None else bare(text)
     if bare is Any or bare is object:
         return plain_data(cursor.node)
-    cursor.error(f"the driver needs a {bare!r} here, which a file cannot contain")
+    cursor.error(
+        Sentence(
+            "check.type_not_possible",
+            "the driver needs a {type!r} here, which a file cannot contain",
+            type=bare,
+        )
+    )
     return INVALID
 
 
@@ -326,15 +349,19 @@ def _text(cursor: Cursor, notes: tuple[Any, ...], *, file: bool) -> str | None:
         return read_word(cursor, one_of.choices)
     pattern = find_note(notes, fields.Pattern)
     several = find_note(notes, fields.OneOrMore)
-    expected = f"{several.of}, or a list of them" if several is not None else "text"
+    expected = (
+        Sentence("check.or_list", "{of}, or a list of them", of=several.of)
+        if several is not None
+        else Sentence("check.a_text", "text")
+    )
     text = read_text(cursor, pattern.meaning if pattern is not None else expected)
     if text is None:
         return None
     if not text.strip() and (several or find_note(notes, fields.NotBlank)):
-        cursor.error("is empty")
+        cursor.error(Sentence("check.empty", "is empty"))
         return None
     if pattern is not None and not re.fullmatch(pattern.regex, text):
-        cursor.error(f"expected {pattern.meaning}, not {text!r}")
+        cursor.error(expectation(pattern.meaning, repr(text)))
         return None
     path = find_note(notes, fields.Path) or (fields.Path() if file else None)
     return text if path is None else resolve_path(cursor, text, must_exist=path.must_exist)
@@ -346,13 +373,33 @@ def resolve_path(cursor: Cursor, text: str, *, must_exist: bool) -> str:
         base = pathlib.Path(cursor.place.file).absolute().parent
         path = base / pathlib.Path(text).expanduser()
         if must_exist and not path.exists():
-            cursor.warning(f"there is no file {text!r}{media_files.meant(base, text)}")
+            cursor.warning(
+                Sentence(
+                    "check.no_file",
+                    "there is no file {text!r}{near}",
+                    text=text,
+                    near=media_files.meant(base, text),
+                )
+            )
         elif must_exist and (wrong := media_files.doubt(path)):
-            cursor.warning(f"{text!r}: {wrong}")
+            cursor.warning(
+                Sentence(
+                    "check.named_file", "{file}: {why}{near}", file=repr(text), why=wrong, near=""
+                )
+            )
     except PermissionError as error:
-        cursor.warning(f"{text!r} cannot be read: {error.strerror}")
+        cursor.warning(
+            Sentence(
+                "check.path_unreadable",
+                "{text!r} cannot be read: {reason}",
+                text=text,
+                reason=error.strerror,
+            )
+        )
     except (OSError, RuntimeError, ValueError) as error:
-        cursor.error(f"{text!r} is not a path: {error}")
+        cursor.error(
+            Sentence("check.no_path", "{text!r} is not a path: {error}", text=text, error=error)
+        )
         return text
     return str(_straight(path))
 
@@ -381,7 +428,14 @@ def _sequence(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
     inner = typing.get_args(bare) or (Any,)
     fixed = typing.get_origin(bare) is tuple and inner[-1] is not Ellipsis
     if fixed and len(entries) != len(inner):
-        cursor.error(f"expected {len(inner)} entries, not {len(entries)}")
+        cursor.error(
+            Sentence(
+                "check.entries",
+                "expected {wanted} entries, not {number}",
+                wanted=len(inner),
+                number=len(entries),
+            )
+        )
         return INVALID
     kinds = inner if fixed else (inner[0],) * len(entries)
     values = [read_value(entry, kind, notes) for entry, kind in zip(entries, kinds, strict=True)]
@@ -394,7 +448,7 @@ def _sequence(cursor: Cursor, bare: Any, notes: tuple[Any, ...]) -> Any:
             if values[at] is not INVALID and values[at] in values[:at]
         ]
     for entry in twice:
-        entry.error(f"{described(entry.node)} appears twice")
+        entry.error(Sentence("check.twice", "{found} appears twice", found=described(entry.node)))
     origin = typing.get_origin(bare) or bare
     made = origin(good) if origin in (list, frozenset) else tuple(good)
     return Invalid(made) if twice or len(good) < len(values) else made
@@ -428,9 +482,9 @@ def _united(cursor: Cursor, members: tuple[Any, ...], notes: tuple[Any, ...]) ->
         value = read_value(Cursor(cursor.node, cursor.path, cursor.place, attempt), kind, notes)
         if not isinstance(value, Invalid):
             return read_value(cursor, kind, notes)
-    kinds = " or ".join(_type_in_words(kind) for kind in members if kind is not type(None))
+    kinds = either([_type_in_words(kind) for kind in members if kind is not type(None)])
     bracket = TEXT_WITH_BRACKET if str in members and isinstance(cursor.node, ListNode) else ""
-    cursor.error(f"expected {kinds}, not {described(cursor.node)}{bracket}")
+    cursor.error(expectation(kinds, described(cursor.node), bracket))
     return INVALID
 
 
@@ -456,15 +510,20 @@ def _breadth(annotation: Any) -> int:
 def _type_in_words(annotation: Any) -> str:
     bare, notes = split_annotation(annotation)
     if (one_of := find_note(notes, fields.OneOf)) is not None:
-        return "one of " + ", ".join(one_of.choices)
+        return one_of_words(one_of.choices)
     if typing.get_origin(bare) is Literal:
-        return "one of " + ", ".join(map(str, typing.get_args(bare)))
+        return one_of_words(map(str, typing.get_args(bare)))
     origin = typing.get_origin(bare) or bare
     if origin in _SEQUENCES:
-        return "a list"
+        return Sentence("check.a_list", "a list")
     if origin in _MAPPINGS or dataclasses.is_dataclass(origin):
-        return "a mapping"
-    names = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
+        return Sentence("check.a_mapping", "a mapping")
+    names = {
+        bool: Sentence("check.true_or_false", "true or false"),
+        int: Sentence("check.a_whole_number", "a whole number"),
+        float: Sentence("check.a_number", "a number"),
+        str: Sentence("check.a_text", "text"),
+    }
     return names.get(bare, getattr(bare, "__name__", str(bare)).lower())
 
 
@@ -498,7 +557,7 @@ def read_included(cursor: Cursor, words: Sequence[str] = ()) -> Cursor | None:
 
     `words` could have stood there too; a misspelt one is no file.
     """
-    text = read_text(cursor, " or ".join(("a file", *words)))
+    text = read_text(cursor, either([Sentence("check.a_file", "a file"), *words]))
     if text is None:
         return None
     report = cursor.report
@@ -506,12 +565,14 @@ def read_included(cursor: Cursor, words: Sequence[str] = ()) -> Cursor | None:
         cursor,
         text,
         pathlib.Path(cursor.place.file).absolute().parent,
-        lambda: report.hint(text, words, or_list="without a file there are"),
+        lambda: report.hint(
+            text, words, or_list=Sentence("check.without_file", "without a file there are")
+        ),
     )
     if source is None:
         return None
     report.included.append(source)
-    return document(source, report, "a mapping")
+    return document(source, report, Sentence("check.a_mapping", "a mapping"))
 
 
 def settings_from_texts(shape: type, values: Mapping[str, str], base: Path) -> Any:

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 from woz_tui.config import utterance_template
 from woz_tui.config.condition_texts import Variables
 from woz_tui.config.experiment import TextVariants
-from woz_tui.config.problems import shortened
+from woz_tui.config.problems import shortened, with_remedy
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.contract import UNKNOWN, Finding, Verb, Written
 from woz_tui.drivers.secret_arguments import hidden
 from woz_tui.protocol import markup
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence
 
 if TYPE_CHECKING:
     from woz_tui.config.robots import VerbOffer
@@ -96,7 +97,10 @@ class CommandChecker:
 #: Pieces of markup that one warning names.
 MOST_SHOWN = 3
 #: Why a file with a secret in it is refused.
-SECRET = "this looks like a password or another secret, and each log contains this file; remove it"
+SECRET = Sentence(
+    "check.secret",
+    "this looks like a password or another secret, and each log contains this file; remove it",
+)
 
 
 def _findings(offer: VerbOffer, written: Written, verb: Cursor) -> Iterable[Finding]:
@@ -106,7 +110,14 @@ def _findings(offer: VerbOffer, written: Written, verb: Cursor) -> Iterable[Find
     try:
         return [*offer.look(written)]
     except Exception as error:  # noqa: BLE001 - a plug-in's code; the file is not at fault
-        verb.warning(f"{offer.driver} fails to check this: {error!r}")
+        verb.warning(
+            Sentence(
+                "check.check_fails",
+                "{driver} fails to check this: {error!r}",
+                driver=offer.driver,
+                error=error,
+            )
+        )
         return ()
 
 
@@ -119,16 +130,30 @@ def _markup_left_out(offer: VerbOffer, given: Mapping[str, Json]) -> Iterable[Fi
     marks = markup.left_out(text, offer.verb.markup) if isinstance(text, str) else []
     if marks:
         shown = ", ".join(shortened(mark.written, 60) for mark in marks[:MOST_SHOWN])
-        more = f" and {len(marks) - MOST_SHOWN} more" if len(marks) > MOST_SHOWN else ""
-        pauses = " (a pause is a comma)" if any(mark.pause for mark in marks) else ""
-        who = f"the voice of {offer.driver!r} does not know"
-        what = f"{who} {shown}{more}: left out of the sentence{pauses}"
+        more = (
+            Sentence("check.and_more", " and {number} more", number=len(marks) - MOST_SHOWN)
+            if len(marks) > MOST_SHOWN
+            else ""
+        )
+        pauses = (
+            Sentence("check.pause_is_comma", " (a pause is a comma)")
+            if any(mark.pause for mark in marks)
+            else ""
+        )
+        what = Sentence(
+            "check.markup_left_out",
+            "the voice of {driver!r} does not know {shown}{more}: left out of the sentence{pauses}",
+            driver=offer.driver,
+            shown=shown,
+            more=more,
+            pauses=pauses,
+        )
         yield Finding("warning", name, what, "")
 
 
 def _report_finding(finding: Finding, cursor: Cursor) -> bool:
     """Report it, unless it has been said here already; whether it is an error."""
-    message = f"{finding.text}; {finding.remedy}" if finding.remedy else finding.text
+    message = with_remedy(finding.text, finding.remedy)
     if finding.level == "error":
         cursor.error(message)
         return True

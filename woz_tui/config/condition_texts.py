@@ -22,9 +22,10 @@ from typing import TypeVar
 
 from woz_tui.config import utterance_template
 from woz_tui.config.experiment import ELSE, Action, TextVariants
-from woz_tui.config.problems import quoted
+from woz_tui.config.problems import quoted, together
 from woz_tui.config.yaml_cursor import Cursor, read_text, read_word
 from woz_tui.config.yaml_nodes import MappingNode
+from woz_tui.protocol.sentence import Sentence
 
 #: What lists variants, where a condition's name could stand.
 ANY = "any"
@@ -76,20 +77,40 @@ def read_variables(
     values are known only when a sentence is said, slots and what is known of a participant. What
     holds one is no value before: its texts are put into the sentences (`in_place`).
     """
-    table = cursor.table("a mapping of names to texts") if cursor is not None else None
+    table = (
+        cursor.table(Sentence("check.names_to_texts", "a mapping of names to texts"))
+        if cursor is not None
+        else None
+    )
     always: dict[str, str] = {}
     depending: dict[str, dict[str, str]] = {}
     for name, entry in (table or {}).items():
         if name in filled:
-            entry.error(f"{name!r} is reserved for the session; choose another name")
+            entry.error(
+                Sentence(
+                    "check.variable_reserved",
+                    "{name!r} is reserved for the session; choose another name",
+                    name=name,
+                )
+            )
         elif not utterance_template.NAME.fullmatch(name):
             entry.error(
-                "a variable's name can have letters, digits and _, and cannot begin with a digit"
+                Sentence(
+                    "check.variable_name",
+                    "a variable's name can have letters, digits and _, and cannot begin"
+                    " with a digit",
+                )
             )
         elif isinstance(entry.node, MappingNode):
             depending[name] = texts(entry, conditions)
         else:
-            always[name] = read_text(entry, "text, or a text for each condition") or ""
+            always[name] = (
+                read_text(
+                    entry,
+                    Sentence("check.text_or_by_condition", "text, or a text for each condition"),
+                )
+                or ""
+            )
     for name, found in depending.items():
         for condition, entry in (table or {})[name].entries():
             text = found.get(condition, "")
@@ -149,9 +170,13 @@ def read_choice(
     def variants(entry: Cursor) -> tuple[str, ...]:
         nonlocal wrong
         table = dict(entry.entries())
-        listed = table[ANY].list("a list of variants") if set(table) == {ANY} else [entry]
+        listed = (
+            table[ANY].list(Sentence("check.variants", "a list of variants"))
+            if set(table) == {ANY}
+            else [entry]
+        )
         if listed == []:
-            table[ANY].error("a variant is missing here")
+            table[ANY].error(Sentence("check.variant_missing", "a variant is missing here"))
         found = [read(each) for each in listed or ()]
         wrong = wrong or not found or None in found
         return tuple(text for text in found if text is not None)
@@ -162,14 +187,25 @@ def read_choice(
         return None if wrong or not by else TextVariants(chosen, by)
     if ANY in table and ANY in conditions:
         table[ANY].error(
-            f"{ANY!r} lists variants here and cannot be a condition; rename the condition"
+            Sentence(
+                "check.variants_word",
+                "{word!r} lists variants here and cannot be a condition; rename the condition",
+                word=ANY,
+            )
         )
         return None
     if ANY in table and len(table) > 1:
         under = (
-            f", or under a condition: {{{conditions[0]}: {{{ANY}: [...]}}}}" if conditions else ""
+            Sentence(
+                "check.or_under_condition",
+                ", or under a condition: {{{condition}: {{{any}: [...]}}}}",
+                condition=conditions[0],
+                any=ANY,
+            )
+            if conditions
+            else ""
         )
-        table[ANY].error(f"stands alone{under}")
+        table[ANY].error(Sentence("check.stands_alone", "stands alone{under}", under=under))
         return None
     chosen = (
         {"": variants(cursor)} if ANY in table else _read_by_condition(cursor, conditions, variants)
@@ -192,20 +228,38 @@ def _read_by_variable(
     by = read_word(entry, deciding) if deciding else None
     if not deciding:
         entry.error(
-            "nothing is known of people here by which a text could be chosen; add the section"
-            " engagement, or participants: {fields: {group: [child, adult]}}"
+            Sentence(
+                "check.nobody_known",
+                "nothing is known of people here by which a text could be chosen;"
+                " add the section engagement, or participants: {{fields: {{group:"
+                " [child, adult]}}}}",
+            )
         )
     chosen = {value: read(text) for value, text in table.items()}
     if by is None:
         return "", chosen
     if ELSE not in table:
-        entry.error(f"needs a text for everybody else: {ELSE}: ...")
+        entry.error(
+            Sentence(
+                "check.text_for_others", "needs a text for everybody else: {word}: ...", word=ELSE
+            )
+        )
         return "", chosen
     if known := deciding[by]:
         for value, text in table.items():
             if value != ELSE and value not in known:
-                near = entry.report.hint(value, known, or_list="it can be")
-                text.error(f"{by} is never {quoted(value)}{near}")
+                near = entry.report.hint(
+                    value, known, or_list=Sentence("check.it_can_be", "it can be")
+                )
+                text.error(
+                    Sentence(
+                        "check.never_that",
+                        "{by} is never {value}{near}",
+                        by=by,
+                        value=quoted(value),
+                        near=near,
+                    )
+                )
     return by, chosen
 
 
@@ -214,20 +268,38 @@ def _read_by_condition(
 ) -> dict[str, T]:
     if not conditions:
         cursor.error(
-            "depends on the condition, but the file has no conditions; add conditions: [...]"
+            Sentence(
+                "check.no_conditions",
+                "depends on the condition, but the file has no conditions; add conditions: [...]",
+            )
         )
         return {}
-    table = cursor.table("a text for each condition") or {}
+    table = cursor.table(Sentence("check.texts_by_condition", "a text for each condition")) or {}
     found: dict[str, T] = {}
     unknown = False
     for condition, entry in table.items():
         if condition in conditions:
             found[condition] = read(entry)
         else:
-            near = cursor.report.hint(condition, conditions, or_list="there are")
-            entry.error(f"there is no condition {quoted(condition)}{near}")
+            near = cursor.report.hint(
+                condition, conditions, or_list=Sentence("check.there_are", "there are")
+            )
+            entry.error(
+                Sentence(
+                    "check.no_condition",
+                    "there is no condition {condition}{near}",
+                    condition=quoted(condition),
+                    near=near,
+                )
+            )
             unknown = True
     absent = [condition for condition in conditions if condition not in found]
     if absent and not unknown:
-        cursor.error(f"has nothing for {' and '.join(map(quoted, absent))}")
+        cursor.error(
+            Sentence(
+                "check.condition_lacks",
+                "has nothing for {conditions}",
+                conditions=together(map(quoted, absent)),
+            )
+        )
     return found

@@ -17,14 +17,15 @@ from woz_tui.config.command_remarks import SECRET, hidden_arguments
 from woz_tui.config.experiment import Action, Experiment, Panel
 from woz_tui.config.file_position import FilePosition
 from woz_tui.config.keys.keymap import FileKeys, actions_on, typeable
-from woz_tui.config.problems import ProblemReport, join, quoted
+from woz_tui.config.problems import ProblemReport, join, quoted, together
 from woz_tui.config.robots import DriverRequests, Robots, VerbOffer
 from woz_tui.config.utterance_template import names
-from woz_tui.config.yaml_cursor import Cursor, check_different, texts_of
+from woz_tui.config.yaml_cursor import Cursor, check_different, range_text, texts_of
 from woz_tui.drivers.contract import FACE_CONSENT, Ask, Verb, gives_consent
 from woz_tui.drivers.face_store import key_of
 from woz_tui.drivers.fields import Port, Range
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence
 
 
 def check_across(
@@ -43,9 +44,9 @@ def check_across(
         for panel in panels
         for _, name in texts_of(dict(panel.entries()).get("title"))
     ]
-    check_different(titles, "a panel", ("title",))
+    check_different(titles, Sentence("check.a_panel", "a panel"), ("title",))
     named = [(draft.cursor, draft.action.name) for draft in drafts]
-    check_different(named, "an action", ("name", "label"))
+    check_different(named, Sentence("check.an_action", "an action"), ("name", "label"))
     _check_keys(drafts, experiment.keyboard)
     actions = {draft.action.name: draft.action for draft in drafts}
     for draft in drafts:
@@ -74,9 +75,15 @@ def _check_consents(experiment: Experiment, drafts: Sequence[ActionDraft]) -> No
         wanted = str(call.args.get(argument, "{name}"))
         if not any(driver == call.driver and _may_be(name, wanted) for driver, name in given):
             draft.cursor.warning(
-                f"{call.verb} is refused without a consent, which no action gives; ask the visitor,"
-                f" then play steps: [{{{FACE_CONSENT}: {quoted(wanted)}}},"
-                f" {{{call.verb}: {quoted(wanted)}}}]"
+                Sentence(
+                    "check.no_consent",
+                    "{verb} is refused without a consent, which no action gives; ask the"
+                    " visitor, then play steps: [{{{face_consent}: {wanted}}}, {{{verb}:"
+                    " {wanted}}}]",
+                    verb=call.verb,
+                    face_consent=FACE_CONSENT,
+                    wanted=quoted(wanted),
+                )
             )
 
 
@@ -92,8 +99,15 @@ def _check_parts(experiment: Experiment, report: ProblemReport) -> None:
     parts = experiment.parts
     for spec in experiment.drivers:
         if parts and spec.offer.part and spec.offer.part not in parts:
-            near = report.hint(spec.offer.part, parts, or_list="parts are")
-            what = f"no panel is for the part {quoted(spec.offer.part)}{near}"
+            near = report.hint(
+                spec.offer.part, parts, or_list=Sentence("check.parts_are", "parts are")
+            )
+            what = Sentence(
+                "check.no_panel_for_part",
+                "no panel is for the part {part}{near}",
+                part=quoted(spec.offer.part),
+                near=near,
+            )
             report.error(spec.place, f"drivers.{spec.name}.part", what)
     first: dict[str, Panel] = {}
     for index, panel in enumerate(experiment.panels):
@@ -102,8 +116,14 @@ def _check_parts(experiment: Experiment, report: ProblemReport) -> None:
             if like is not None:
                 report.warning_at(
                     f"panels[{index}].for",
-                    f"the part {quoted(part)} is nearly the part {quoted(like)} of the panel"
-                    f" {quoted(first[like].title)}; they are two parts",
+                    Sentence(
+                        "check.parts_alike",
+                        "the part {part} is nearly the part {like} of the panel {title};"
+                        " they are two parts",
+                        part=quoted(part),
+                        like=quoted(like),
+                        title=quoted(first[like].title),
+                    ),
                 )
             first.setdefault(part, panel)
 
@@ -126,7 +146,12 @@ def _check_ports(experiment: Experiment, report: ProblemReport) -> None:
                 report.error(
                     spec.place,
                     f"drivers.{spec.name}.{name}",
-                    f"{quoted(port)} is already the port of {quoted(owner[port])}",
+                    Sentence(
+                        "check.port_taken",
+                        "{port} is already the port of {owner}",
+                        port=quoted(port),
+                        owner=quoted(owner[port]),
+                    ),
                 )
             owner.setdefault(port, spec.name)
 
@@ -148,7 +173,15 @@ def check_covers(
             known = verbs and offered if "." in verb else verbs
             if known is not None and verb not in known:
                 path = f"panels[{index}].covers[{number}]"
-                report.error_at(path, f"no driver offers {quoted(verb)}{report.hint(verb, known)}")
+                report.error_at(
+                    path,
+                    Sentence(
+                        "check.no_driver_offers",
+                        "no driver offers {verb}{near}",
+                        verb=quoted(verb),
+                        near=report.hint(verb, known),
+                    ),
+                )
 
 
 def _check_keys(drafts: Sequence[ActionDraft], layout: str) -> None:
@@ -159,15 +192,24 @@ def _check_keys(drafts: Sequence[ActionDraft], layout: str) -> None:
         if not key or cursor is None:
             continue
         if forbidden := keys.forbidden(key):
-            cursor.error(f"{forbidden}; choose another key")
+            cursor.error(
+                Sentence(
+                    "check.another_key", "{forbidden}; choose another key", forbidden=forbidden
+                )
+            )
         elif taken := keys.taken(key):
             cursor.error(taken)
         else:
             keys.take(key, draft.action.label, draft.action.place)
             if not typeable(key, layout):
                 cursor.warning(
-                    f"the {layout} keyboard has no key for {key!r}; it gets a reserve key"
-                    " (set your layout with keyboard:)"
+                    Sentence(
+                        "check.not_on_keyboard",
+                        "the {layout} keyboard has no key for {key!r}; it gets a reserve key"
+                        " (set your layout with keyboard:)",
+                        layout=layout,
+                        key=key,
+                    )
                 )
 
 
@@ -221,21 +263,47 @@ def _why_impossible(
     ask: Ask, offers: Sequence[VerbOffer], known: _Requestable, report: ProblemReport
 ) -> Iterator[str]:
     if ask.what == "action" and ask.name not in known.actions:
-        near = report.hint(ask.name, known.actions, or_list="actions are")
-        yield f"there is no action {quoted(ask.name)}{near}"
+        near = report.hint(
+            ask.name, known.actions, or_list=Sentence("check.actions_are", "actions are")
+        )
+        yield Sentence(
+            "check.no_action", "there is no action {name}{near}", name=quoted(ask.name), near=near
+        )
     if ask.what == "key" and not actions_on(ask.name, known.actions.values(), known.layout):
-        yield f"no action has the key {quoted(ask.name)}"
+        yield Sentence(
+            "check.no_action_on_key", "no action has the key {name}", name=quoted(ask.name)
+        )
     if ask.what != "verb":
         return
     if len(offers) == 1:
         yield from _wrong_arguments(offers[0].verb, ask.args, report)
     elif offers:
-        who = " and ".join(offer.driver for offer in offers)
-        yield f"{ask.name!r} is offered by {who}; name one of them with on"
+        who = together(offer.driver for offer in offers)
+        yield Sentence(
+            "check.several_offer",
+            "{verb!r} is offered by {who}; name one of them with on",
+            verb=ask.name,
+            who=who,
+        )
     else:
         verbs = [*known.robots.offers, *known.own]
-        whom = f"{ask.on!r} does not offer" if ask.on else "no driver offers"
-        yield f"{whom} {ask.name!r}{report.hint(ask.name, verbs)}"
+        near = report.hint(ask.name, verbs)
+        yield (
+            Sentence(
+                "check.does_not_offer",
+                "{on!r} does not offer {verb}{near}",
+                on=ask.on,
+                verb=repr(ask.name),
+                near=near,
+            )
+            if ask.on
+            else Sentence(
+                "check.no_driver_offers",
+                "no driver offers {verb}{near}",
+                verb=repr(ask.name),
+                near=near,
+            )
+        )
 
 
 def _wrong_arguments(verb: Verb, args: Mapping[str, Json], report: ProblemReport) -> Iterator[str]:
@@ -243,22 +311,54 @@ def _wrong_arguments(verb: Verb, args: Mapping[str, Json], report: ProblemReport
     for name, value in args.items():
         argument = takes.get(name)
         if argument is None:
-            near = report.hint(name, takes, or_list="it takes")
-            yield f"{verb.name} has no argument {name!r}{near}"
+            near = report.hint(name, takes, or_list=Sentence("check.it_takes", "it takes"))
+            yield Sentence(
+                "check.no_argument",
+                "{verb} has no argument {argument!r}{near}",
+                verb=verb.name,
+                argument=name,
+                near=near,
+            )
             continue
         if argument.choices and value not in argument.choices:
-            near = report.hint(str(value), argument.choices, or_list="there are")
-            yield f"{quoted(str(value))} is no {argument.name}{near}"
+            near = report.hint(
+                str(value), argument.choices, or_list=Sentence("check.there_are", "there are")
+            )
+            yield Sentence(
+                "check.not_one_of",
+                "{value} is no {argument}{near}",
+                value=quoted(str(value)),
+                argument=argument.name,
+                near=near,
+            )
         numeric = argument.kind in ("number", "whole", "seconds")
         if numeric and (isinstance(value, bool) or not isinstance(value, int | float)):
-            yield f"{argument.name} must be a number, not {quoted(str(value))}"
+            yield Sentence(
+                "check.not_number",
+                "{argument} must be a number, not {value}",
+                argument=argument.name,
+                value=quoted(str(value)),
+            )
         elif isinstance(value, int | float) and not (argument.range or Range()).contains(value):
-            yield f"{argument.name} must be {argument.range}, not {value:g}"
+            yield Sentence(
+                "check.not_in_range",
+                "{argument} must be {allowed}, not {value:g}",
+                argument=argument.name,
+                allowed=range_text(argument.range or Range()),
+                value=value,
+            )
         if argument.kind == "flag" and not isinstance(value, bool):
-            yield f"{argument.name} must be true or false, not {quoted(str(value))}"
+            yield Sentence(
+                "check.not_true_false",
+                "{argument} must be true or false, not {value}",
+                argument=argument.name,
+                value=quoted(str(value)),
+            )
     for name, argument in takes.items():
         if argument.required and name not in args:
-            yield f"{verb.name} needs {name!r}"
+            yield Sentence(
+                "check.verb_needs", "{verb} needs {argument!r}", verb=verb.name, argument=name
+            )
 
 
 def _offers(ask: Ask, asking: DriverRequests, known: _Requestable) -> Sequence[VerbOffer]:

@@ -23,6 +23,7 @@ from woz_tui.config.engagement_words import (
     VISITOR,
 )
 from woz_tui.drivers.fields import Doc, OneOf, Path, Range, Seconds, Section
+from woz_tui.protocol.sentence import Sentence
 
 _Places = Annotated[int, Range(1, 1000), Doc("samples in the queue (n)")]
 _Share = Annotated[float, Range(0, 1), Doc("share of the queue that decides (t_r)")]
@@ -234,28 +235,48 @@ class EngagementSettings(Section):
 
     def problems(self) -> list[tuple[str, str]]:
         """What is wrong between settings: pairs of a setting's name and a sentence."""
-        found = []
+        found: list[tuple[str, str]] = []
         for name in SIGNS:
             if name != "distance" and self.sign(name).filter == "median":
-                found.append((f"{name}.filter", "a median is for distance; take fifo or joint"))
+                median = Sentence(
+                    "check.median_of_sign", "a median is for distance; take fifo or joint"
+                )
+                found.append((f"{name}.filter", median))
             stale = self.sign(name).stale
             if stale is not None and stale * self.rate < 1:
                 found.append((f"{name}.stale", self._too_soon(stale)))
         if not self.signs:
-            found.append(("signs", f"name at least one of {', '.join(CONDITION)}"))
+            one = Sentence(
+                "check.signs_missing", "name at least one of {signs}", signs=", ".join(CONDITION)
+            )
+            found.append(("signs", one))
         elif len(set(self.signs)) < len(self.signs):
-            found.append(("signs", "a sign appears here twice"))
+            found.append(("signs", Sentence("check.sign_twice", "a sign appears here twice")))
         if self.stale * self.rate < 1:
             found.append(("stale", self._too_soon(self.stale)))
         if self.social_distance >= self.farthest:
-            found.append(("social_distance", f"lies beyond farthest ({self.farthest:g} m)"))
+            beyond = Sentence(
+                "check.beyond_farthest",
+                "lies beyond farthest ({farthest:g} m)",
+                farthest=self.farthest,
+            )
+            found.append(("social_distance", beyond))
         both = {word.casefold() for word in self.handshake.yes} & {
             word.casefold() for word in self.handshake.no
         }
         if both:
-            found.append(("handshake.no", f"{', '.join(sorted(both))} means both yes and no"))
+            unclear = Sentence(
+                "check.yes_and_no", "{words} means both yes and no", words=", ".join(sorted(both))
+            )
+            found.append(("handshake.no", unclear))
         return found
 
     def _too_soon(self, stale: float) -> str:
-        period = f"{1 / self.rate:.2g} s at {self.rate:g} Hz"
-        return f"{stale:g} s is shorter than the time between two samples ({period})"
+        return Sentence(
+            "check.too_soon",
+            "{stale:g} s is shorter than the time between two samples"
+            " ({period:.2g} s at {rate:g} Hz)",
+            stale=stale,
+            period=1 / self.rate,
+            rate=self.rate,
+        )

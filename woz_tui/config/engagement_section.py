@@ -26,7 +26,7 @@ from woz_tui.config.engagement import EngagementSettings, HandshakeSettings, Sou
 from woz_tui.config.engagement_words import CONDITION, SIGNS, STATES, STOPPED
 from woz_tui.config.experiment import Action, Engagement, ParallelCalls, Step, Wait
 from woz_tui.config.performers import ENGAGEMENT
-from woz_tui.config.problems import ProblemReport, quoted
+from woz_tui.config.problems import ProblemReport, quoted, together
 from woz_tui.config.robots import Robots
 from woz_tui.config.sensor_names import published_names
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS
@@ -45,6 +45,7 @@ from woz_tui.drivers.contract import (
 )
 from woz_tui.drivers.fields import OneOf
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence
 
 #: What the section has beside its settings.
 ON_ENTER = "on_enter"
@@ -74,7 +75,15 @@ class EngagementReader:
 
     def read(self, cursor: Cursor) -> Engagement | None:
         """The section, or None after everything that is wrong has been reported."""
-        if cursor.table("settings such as {samples: 8}, or {} for the defaults") is None:
+        if (
+            cursor.table(
+                Sentence(
+                    "check.engagement_settings",
+                    "settings such as {{samples: 8}}, or {{}} for the defaults",
+                )
+            )
+            is None
+        ):
             return None
         settings: Any = read_settings(cursor, EngagementSettings, others=(ON_ENTER,))
         sections = dict(cursor.entries())
@@ -82,11 +91,13 @@ class EngagementReader:
         effects: dict[str, Action] = {}
         plays: dict[str, tuple[str, ...]] = {}
         entered = sections.get(ON_ENTER)
-        expected = "a mapping of states, such as {Wait: [{eyes: off}]}"
+        expected = Sentence(
+            "check.states", "a mapping of states, such as {{Wait: [{{eyes: off}}]}}"
+        )
         states = entered.table(expected) if entered is not None else None
         for state, entry in (states or {}).items():
             if state not in ENTERED:
-                entry.unknown(ENTERED, "states are")
+                entry.unknown(ENTERED, Sentence("check.states_are", "states are"))
                 continue
             steps, names = self._entered(entry)
             if steps:
@@ -102,7 +113,7 @@ class EngagementReader:
         """Steps of its own, and names of actions."""
         entries = list(cursor.items()) if isinstance(cursor.node, ListNode) else [cursor]
         if not entries:
-            cursor.error("a value is missing here")
+            cursor.error(Sentence("check.value_missing", "a value is missing here"))
         steps: list[Step] = []
         names: list[str] = []
         for entry in entries:
@@ -119,22 +130,43 @@ class EngagementReader:
 
     def _action_named(self, cursor: Cursor, *, late: bool) -> str | None:
         """The name of an action; `late`: it stands behind a pause."""
-        name = read_text(cursor, "the name of an action, or verbs such as {say: Hello}")
+        name = read_text(
+            cursor,
+            Sentence(
+                "check.action_or_verbs", "the name of an action, or verbs such as {{say: Hello}}"
+            ),
+        )
         if name is None:
             return None
         action = self._actions.get(name)
         if action is None:
-            meant = cursor.report.hint(name, self._actions, or_list="actions are")
+            meant = cursor.report.hint(
+                name, self._actions, or_list=Sentence("check.actions_are", "actions are")
+            )
             if name in self._vocabulary.names:
-                meant = f"; write a verb in braces: {{{name}: ...}}"
-            cursor.error(f"there is no action {quoted(name)}{meant}")
+                meant = Sentence(
+                    "check.verb_in_braces", "; write a verb in braces: {{{verb}: ...}}", verb=name
+                )
+            cursor.error(
+                Sentence(
+                    "check.no_action",
+                    "there is no action {name}{near}",
+                    name=quoted(name),
+                    near=meant,
+                )
+            )
             return None
         if action.locked:
-            cursor.warning(f"{quoted(name)} is locked and cannot be played")
+            cursor.warning(
+                Sentence("check.locked", "{name} is locked and cannot be played", name=quoted(name))
+            )
         if late:
             cursor.warning(
-                f"{quoted(name)} starts at once and does not wait: actions run in parallel to"
-                " the steps"
+                Sentence(
+                    "check.starts_at_once",
+                    "{name} starts at once and does not wait: actions run in parallel to the steps",
+                    name=quoted(name),
+                )
             )
         for step in action.steps:
             _no_chase(cursor, step)
@@ -146,9 +178,14 @@ def _only_verbs(cursor: Cursor) -> Cursor | None:
     strange = {name: entry for name, entry in cursor.entries() if name in _OF_ACTIONS}
     for name, entry in strange.items():
         entry.error(
-            "put the steps in a list directly under the state: [{say: Hello}, {wait: 0.5}]"
+            Sentence(
+                "check.steps_in_list",
+                "put the steps in a list directly under the state: [{{say: Hello}}, {{wait: 0.5}}]",
+            )
             if name == "steps"
-            else "belongs to actions of panels; put one there and name it here"
+            else Sentence(
+                "check.of_panels", "belongs to actions of panels; put one there and name it here"
+            )
         )
     verbs = [name for name, _ in cursor.entries() if name not in strange]
     return cursor.only(verbs) if verbs or not strange else None
@@ -160,8 +197,12 @@ def _no_chase(cursor: Cursor, step: Step) -> None:
         step_on = call.verb == "engagement" and call.args.get("run") == "step"
         if call.driver == ENGAGEMENT and (call.verb == "force" or step_on):
             cursor.error(
-                f"{call.verb!r} changes the state, which is not allowed here: the states could"
-                " change in an endless loop"
+                Sentence(
+                    "check.changes_state",
+                    "{verb!r} changes the state, which is not allowed here: the states"
+                    " could change in an endless loop",
+                    verb=call.verb,
+                )
             )
 
 
@@ -218,8 +259,12 @@ def _check_names(engagement: Engagement, drafts: Sequence[ActionDraft]) -> None:
         if draft.action.name in taken:
             entries = draft.entries
             entries.get("name", entries.get("label", draft.cursor)).error(
-                f"{quoted(draft.action.name)} is what {SECTION}.on_enter calls its own action;"
-                " choose another name"
+                Sentence(
+                    "check.effect_name",
+                    "{name} is what {section}.on_enter calls its own action; choose another name",
+                    name=quoted(draft.action.name),
+                    section=SECTION,
+                )
             )
 
 
@@ -227,7 +272,10 @@ def _check_confirmation(settings: EngagementSettings, report: ProblemReport) -> 
     """Nobody can say whether a name was understood that they have not heard."""
     if "name" not in utterance_template.names(settings.handshake.confirm):
         path = f"{SECTION}.handshake.confirm"
-        message = "does not repeat what was understood; put {name} into it, as in '{name}, right?'"
+        message = Sentence(
+            "check.not_repeated",
+            "does not repeat what was understood; put {{name}} into it, as in '{{name}}, right?'",
+        )
         report.warning_at(path, message)
 
 
@@ -235,9 +283,10 @@ def _check_partners(settings: EngagementSettings, report: ProblemReport) -> None
     """Only a camera that turns with the head finds somebody else."""
     attention = settings.attention
     if attention.mode == "Unengaged" and not (attention.look and attention.camera == "head"):
-        message = (
-            "acts as SemiEngaged: to find somebody where a sound came from, the robot needs"
-            " look: true and a camera on its head, camera: head"
+        message = Sentence(
+            "check.semi_engaged",
+            "acts as SemiEngaged: to find somebody where a sound came from, the"
+            " robot needs look: true and a camera on its head, camera: head",
         )
         report.warning_at(f"{SECTION}.attention.mode", message)
 
@@ -248,10 +297,30 @@ def _check_looks(
     """A robot that looks to a sound must hear where it is, and turn its head."""
     if not settings.attention.look:
         return
-    missing = [] if GAZE in robots.offers else [f"offers {quoted(GAZE)}"]
-    missing += [] if _given_as(DIRECTION, published) else [f"publishes {quoted(DIRECTION)}"]
-    if missing:
-        message = f"the robot does not look to sounds: no driver {' and none '.join(missing)}"
+    turns, hears = GAZE in robots.offers, _given_as(DIRECTION, published)
+    if not (turns and hears):
+        gaze, direction = quoted(GAZE), quoted(DIRECTION)
+        message = (
+            Sentence(
+                "check.cannot_look",
+                "the robot does not look to sounds: no driver offers {gaze}",
+                gaze=gaze,
+            )
+            if hears
+            else Sentence(
+                "check.cannot_hear_where",
+                "the robot does not look to sounds: no driver publishes {direction}",
+                direction=direction,
+            )
+            if turns
+            else Sentence(
+                "check.neither_looks_nor_hears",
+                "the robot does not look to sounds: no driver offers {gaze} and none"
+                " publishes {direction}",
+                gaze=gaze,
+                direction=direction,
+            )
+        )
         report.warning_at(f"{SECTION}.attention.look", message)
 
 
@@ -260,7 +329,12 @@ def _check_verbs(robots: Robots, report: ProblemReport) -> None:
         for offer in robots.offers.get(name, ()):
             report.warning_at(
                 SECTION,
-                f"{offer.driver} offers {name!r} too; in actions it means the engagement model's",
+                Sentence(
+                    "check.offers_too",
+                    "{driver} offers {name!r} too; in actions it means the engagement model's",
+                    driver=offer.driver,
+                    name=name,
+                ),
             )
 
 
@@ -275,10 +349,22 @@ def _check_sensors(
         path = f"{SECTION}.{part}.sensor"
         other = next((part for part, used in names.items() if used == name), part)
         if name != default[part] and name not in published:
-            near = report.hint(name, published, or_list="sensors are")
-            report.error_at(path, f"there is no sensor {quoted(name)}{near}")
+            near = report.hint(
+                name, published, or_list=Sentence("check.sensors_are", "sensors are")
+            )
+            report.error_at(
+                path,
+                Sentence(
+                    "check.no_sensor",
+                    "there is no sensor {name}{near}",
+                    name=quoted(name),
+                    near=near,
+                ),
+            )
         elif other != part and name in published:
-            message = f"{quoted(name)} already gives {other}"
+            message = Sentence(
+                "check.sensor_given", "{name} already gives {other}", name=quoted(name), other=other
+            )
             report.error_at(path, message)
 
 
@@ -294,12 +380,21 @@ def _check_signs(
     ]
     if missing:
         rest = ", ".join(sign for sign in settings.signs if sign not in missing)
-        report.warning_at(
-            path,
-            f"no driver gives {' and '.join(missing)}, so engagement never begins; add an action"
-            f" for the wizard, such as {{key: ..., label: ..., toggle: {missing[0]}}}"
-            + (f", or leave it out: signs: [{rest}]" if rest else ""),
+        message: str = Sentence(
+            "check.no_driver_gives_sign",
+            "no driver gives {signs}, so engagement never begins; add an action for the wizard,"
+            " such as {{key: ..., label: ..., toggle: {sign}}}",
+            signs=together(missing),
+            sign=missing[0],
         )
+        if rest:
+            message = Sentence(
+                "check.or_leave_it_out",
+                "{message}, or leave it out: signs: [{rest}]",
+                message=message,
+                rest=rest,
+            )
+        report.warning_at(path, message)
 
 
 def _check_choices(
@@ -316,8 +411,14 @@ def _check_choices(
             path = f"{SECTION}.{part}"
             report.warning_at(
                 path,
-                f"{' and '.join(several)} give {name}; choose one:"
-                f" {part}: {{sensor: {several[0]}}}",
+                Sentence(
+                    "check.choose_sensor",
+                    "{sensors} give {name}; choose one: {part}: {{sensor: {sensor}}}",
+                    sensors=together(several),
+                    name=name,
+                    part=part,
+                    sensor=several[0],
+                ),
             )
 
 
@@ -336,27 +437,42 @@ def _check_handshake(
     if settings.handshake.by != "robot":
         return
     if "say" not in robots.offers:
-        message = "the robot cannot ask for a name: no driver offers 'say'; write by: wizard"
+        message = Sentence(
+            "check.cannot_ask",
+            "the robot cannot ask for a name: no driver offers 'say'; write by: wizard",
+        )
         report.warning_at(path, message)
     elif not _given_as(SPEECH_TEXT, published):
-        message = (
+        message = Sentence(
+            "check.cannot_hear_answer",
             "no driver recognises the answer as text (a microphone's transcribe,"
-            " a pepper's recognition); type the name with visitor, or lead it yourself, by: wizard"
+            " a pepper's recognition); type the name with visitor, or lead it"
+            " yourself, by: wizard",
         )
         report.warning_at(path, message)
     elif _given_as("identity", published) and LEARN_FACE not in robots.offers:
-        message = f"returning visitors are not recognised: no driver offers {quoted(LEARN_FACE)}"
+        message = Sentence(
+            "check.learns_no_faces",
+            "returning visitors are not recognised: no driver offers {verb}",
+            verb=quoted(LEARN_FACE),
+        )
         report.warning_at(path, message)
     elif _given_as("identity", published) and not (settings.handshake.face_consent or agrees):
-        message = (
-            "returning visitors are not recognised: nobody says that their face may be learnt;"
-            " have the robot ask, with face_consent, or add an action for the wizard, such as {key:"
-            f' ..., label: ..., steps: [{{{FACE_CONSENT}: "{{visitor}}"}},'
-            f' {{{LEARN_FACE}: "{{visitor}}"}}]}}'
+        message = Sentence(
+            "check.nobody_agrees",
+            "returning visitors are not recognised: nobody says that their face"
+            " may be learnt; have the robot ask, with face_consent, or add an"
+            " action for the wizard, such as {{key: ..., label: ..., steps:"
+            ' [{{{face_consent}: "{{visitor}}"}}, {{{learn_face}:'
+            ' "{{visitor}}"}}]}}',
+            face_consent=FACE_CONSENT,
+            learn_face=LEARN_FACE,
         )
         report.warning_at(path, message)
     if settings.handshake.face_consent and LEARN_FACE not in robots.offers:
-        message = f"it is not asked: no driver offers {quoted(LEARN_FACE)}"
+        message = Sentence(
+            "check.not_asked", "it is not asked: no driver offers {verb}", verb=quoted(LEARN_FACE)
+        )
         report.warning_at(f"{SECTION}.handshake.face_consent", message)
 
 

@@ -18,6 +18,7 @@ from woz_tui.drivers.contract import Offer
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, Range, Seconds
 from woz_tui.network.listen_address import DRIVERS_LISTEN
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.protocol.welcome import STALE_S
 
 
@@ -25,7 +26,7 @@ from woz_tui.protocol.welcome import STALE_S
 class DriverPlace(Entry):
     """Another computer of the robot, which has a driver's hardware."""
 
-    what = "another computer"
+    what = Sentence("check.another_computer", "another computer")
     example = "at: arm-pi"
 
     name: Annotated[str, NotBlank(), Doc("the computer's name, as in its access file")]

@@ -30,6 +30,7 @@ from woz_tui.drivers.fields import (
     Unique,
 )
 from woz_tui.feature import pieces
+from woz_tui.protocol.sentence import Sentence
 
 WHEN_BUSY = ("queue", "replace", "refuse")
 
@@ -38,7 +39,7 @@ WHEN_BUSY = ("queue", "replace", "refuse")
 class ActionEntry(Entry):
     """What an action may say beside verbs and their arguments."""
 
-    what = "an action"
+    what = Sentence("check.an_action", "an action")
     example = "{key: h, label: Hello, say: Hello!}"
     either = ("label", "name")
     key: Annotated[Any, ReadApart("key"), Doc("a, A, !, F1, ctrl+a; c r: first c, then r")] = None
@@ -64,7 +65,7 @@ class ActionEntry(Entry):
     ] = None
     then: Annotated[
         tuple[str, ...],
-        OneOrMore("the name of an action"),
+        OneOrMore(Sentence("check.action_name", "the name of an action")),
         Doc("names of actions to be within reach behind it"),
     ] = ()
 
@@ -73,7 +74,7 @@ class ActionEntry(Entry):
 class PanelEntry(Entry):
     """What a panel may say."""
 
-    what = "a panel"
+    what = Sentence("check.a_panel", "a panel")
     example = "{title: Speech, actions: [...]}"
     either = ("actions", "covers")
     title: Annotated[str, Doc("unique in the file")]
@@ -87,7 +88,7 @@ class PanelEntry(Entry):
     ] = ()
     for_: Annotated[
         tuple[str, ...],
-        OneOrMore("the name of a part"),
+        OneOrMore(Sentence("check.part_name", "the name of a part")),
         Unique(),
         Doc("parts, one of which a wizard has to play to use the panel: `woz attach --as PART`"),
     ] = ()
@@ -98,7 +99,7 @@ class PanelEntry(Entry):
 class ParticipantsEntry(Entry):
     """What the section `participants` may say."""
 
-    what = "the section"
+    what = Sentence("check.the_section", "the section")
     example = "{pattern: 'P\\d\\d'}"
     pattern: Annotated[str, Doc("regular expression of codes")] = ""
     fields: Annotated[
@@ -117,7 +118,7 @@ class ParticipantsEntry(Entry):
 class ExperimentKeys(Study, Entry):
     """The top level of an experiment file, without what features add."""
 
-    what = "an experiment"
+    what = Sentence("check.an_experiment", "an experiment")
     title: Annotated[str, Doc("name of the experiment")]
     robot: Annotated[
         Any,

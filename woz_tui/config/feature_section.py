@@ -17,6 +17,7 @@ from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.contract import Driver, Finding, Verb, Written
 from woz_tui.feature import pieces
 from woz_tui.protocol.envelope import Json
+from woz_tui.protocol.sentence import Sentence
 
 S = TypeVar("S")
 
@@ -124,7 +125,7 @@ class FeatureSection(Generic[S]):
     def changes(self, old: S, new: S) -> Iterable[str]:
         """What a reading changed, in words."""
         if old != new:
-            yield "something changed"
+            yield Sentence("reload.something", "something changed")
 
     def trained(self, section: S) -> S:
         """What of it holds in a training, where nobody takes part."""

@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.system.files import NotRegularError, open_regular
 
 #: Bytes. The longest real experiment is a few dozen kilobytes.
@@ -48,17 +49,25 @@ def read_source(path: Path, name: str, data: bytes | None = None) -> SourceFile:
             with open_regular(path) as file:
                 data = file.read(MAX_BYTES + 1)
         except FileNotFoundError:
-            raise SourceFileError("there is no such file") from None
+            raise SourceFileError(Sentence("check.no_such_file", "there is no such file")) from None
         except IsADirectoryError:
-            raise SourceFileError("this is a folder, not a file") from None
+            raise SourceFileError(
+                Sentence("check.folder", "this is a folder, not a file")
+            ) from None
         except NotRegularError:
-            raise SourceFileError("this is not a file") from None
+            raise SourceFileError(Sentence("check.not_a_file", "this is not a file")) from None
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)
-            raise SourceFileError(f"cannot be read: {reason}") from error
+            raise SourceFileError(
+                Sentence("check.unreadable", "cannot be read: {reason}", reason=reason)
+            ) from error
     if len(data) > MAX_BYTES:
         raise SourceFileError(
-            f"the file is larger than {MAX_BYTES >> 20} MiB; check that it is the right file"
+            Sentence(
+                "check.file_too_large",
+                "the file is larger than {most} MiB; check that it is the right file",
+                most=MAX_BYTES >> 20,
+            )
         )
     return SourceFile(name, path, data, decode_utf8(data))
 
@@ -66,20 +75,34 @@ def read_source(path: Path, name: str, data: bytes | None = None) -> SourceFile:
 def decode_utf8(data: bytes) -> str:
     """The text in UTF-8, a byte order mark dropped. Raises `SourceFileError` with the place."""
     if data.startswith(_UTF16):
-        raise SourceFileError("the file is saved as UTF-16; save it as UTF-8")
+        raise SourceFileError(
+            Sentence("check.utf16", "the file is saved as UTF-16; save it as UTF-8")
+        )
     data = data.removeprefix(codecs.BOM_UTF8)
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:
         line, column = _position(data[: error.start].decode("utf-8"))
         raise SourceFileError(
-            f"byte 0x{data[error.start]:02X} is not UTF-8; save the file as UTF-8", line, column
+            Sentence(
+                "check.not_utf8",
+                "byte 0x{byte:02X} is not UTF-8; save the file as UTF-8",
+                byte=data[error.start],
+            ),
+            line,
+            column,
         ) from None
     if match := _FORBIDDEN.search(text):
         line, column = _position(text[: match.start()])
         character = f"U+{ord(match.group()):04X}"
         raise SourceFileError(
-            f"the invisible character {character} is not allowed here", line, column
+            Sentence(
+                "check.invisible_character",
+                "the invisible character {character} is not allowed here",
+                character=character,
+            ),
+            line,
+            column,
         )
     return text
 

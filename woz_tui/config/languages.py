@@ -14,6 +14,7 @@ from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
 from woz_tui.config.problems import ProblemReport, quoted
 from woz_tui.config.yaml_cursor import Cursor, document, read_filled, read_text
 from woz_tui.feature import features
+from woz_tui.protocol.sentence import Sentence
 
 FOLDER = Path(__file__).parents[1] / "languages"
 DEFAULT = "en"
@@ -45,7 +46,11 @@ class Language:
         self.code = DEFAULT
         self._base, self._sources = base, sources
         self._sections: list[Mapping[str, Cursor]] = []
-        code = read_text(cursor, "a language, such as de") if cursor is not None else None
+        code = (
+            read_text(cursor, Sentence("check.a_language", "a language, such as de"))
+            if cursor is not None
+            else None
+        )
         if cursor is None or code is None:
             return
         self.code = code
@@ -56,9 +61,27 @@ class Language:
         if code in shipped():
             self._sections.append(_ours(code))
         elif not beside:
-            known = cursor.report.hint(code, shipped(), or_list="there are")
-            file = f"; {own.name} beside the experiment would add it" if _is_code(code) else ""
-            cursor.error(f"{quoted(code)} is not known{known}{file}")
+            near = cursor.report.hint(
+                code, shipped(), or_list=Sentence("check.there_are", "there are")
+            )
+            file = (
+                Sentence(
+                    "check.language_file",
+                    "; {name} beside the experiment would add it",
+                    name=own.name,
+                )
+                if _is_code(code)
+                else ""
+            )
+            cursor.error(
+                Sentence(
+                    "check.unknown_language",
+                    "{language} is not known{near}{file}",
+                    language=quoted(code),
+                    near=near,
+                    file=file,
+                )
+            )
 
     def other(self, cursor: Cursor) -> Language:
         """Another language for a part of the same experiment."""
@@ -68,12 +91,30 @@ class Language:
         try:
             source = read_source(path, str(path))
         except SourceFileError as error:
-            cursor.error(f"{path.name}: {error.message}")
+            cursor.error(
+                Sentence(
+                    "check.named_file",
+                    "{file}: {why}{near}",
+                    file=path.name,
+                    why=error.message,
+                    near="",
+                )
+            )
             return
         if all(known.path != path for known in self._sources):
             self._sources.append(source)
-        root = document(source, cursor.report, "sections of words, such as questionnaire: {...}")
-        if root is not None and (table := root.fields(SECTIONS, "sections are", "sections")):
+        root = document(
+            source,
+            cursor.report,
+            Sentence("check.word_sections", "sections of words, such as questionnaire: {{...}}"),
+        )
+        if root is not None and (
+            table := root.fields(
+                SECTIONS,
+                Sentence("check.sections_are", "sections are"),
+                Sentence("check.sections", "sections"),
+            )
+        ):
             self._sections.append(table)
 
     def section(self, name: str) -> Iterator[Cursor]:
@@ -84,7 +125,14 @@ class Language:
         """The sentences `of` these names in a section, by name."""
         said: dict[str, str] = {}
         for section in self.section(name):
-            table = section.fields(of, f"{name} are", "sentences by their names") or {}
+            table = (
+                section.fields(
+                    of,
+                    Sentence("check.names_are", "{name} are", name=name),
+                    Sentence("check.sentences", "sentences by their names"),
+                )
+                or {}
+            )
             for each in (each for each in table if each in of):
                 text = read_filled(table[each])
                 if text is not None:
@@ -97,7 +145,11 @@ class Language:
 
 def _ours(code: str) -> Mapping[str, Cursor]:
     """The sections of a language that comes along; it is right, as a test says."""
-    root = document(read_source(FOLDER / f"{code}.yaml", code), ProblemReport(), "sections")
+    root = document(
+        read_source(FOLDER / f"{code}.yaml", code),
+        ProblemReport(),
+        Sentence("check.sections", "sections"),
+    )
     return dict(root.entries()) if root is not None else {}
 
 

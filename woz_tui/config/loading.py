@@ -43,6 +43,7 @@ from woz_tui.config.yaml_cursor import (
 from woz_tui.config.yaml_nodes import MappingNode
 from woz_tui.drivers.contract import Driver, Verb
 from woz_tui.feature import pieces
+from woz_tui.protocol.sentence import Sentence
 
 if TYPE_CHECKING:
     from woz_tui.config.woz4u import TranslatedFile
@@ -80,7 +81,9 @@ def load(
     """
     report = ProblemReport()
     source = source_of(path, report, data)
-    wanted = "title, robot and panels, such as title: Museum guide"
+    wanted = Sentence(
+        "check.experiment_has", "title, robot and panels, such as title: Museum guide"
+    )
     root = None if source is None else document(source, report, wanted)
     made = _from_woz4u(source, root)
     if made is not None:
@@ -112,7 +115,11 @@ def load_robot_file(path: Path, catalogue: Mapping[str, type[Driver]]) -> RobotF
     """
     report = ProblemReport()
     source = source_of(path, report)
-    root = None if source is None else document(source, report, "a mapping with drivers")
+    root = (
+        None
+        if source is None
+        else document(source, report, Sentence("check.with_drivers", "a mapping with drivers"))
+    )
     report.raise_errors()
     assert source is not None  # `raise_errors` has raised otherwise
     assert root is not None
@@ -263,7 +270,14 @@ class _ExperimentDecoder:
         except Exception as error:
             log.exception("the feature %s failed with %s", feature, self._path)
             why = f"{type(error).__name__}: {error}"
-            root.error(f"the feature {quoted(feature)} fails with this file: {why}")
+            root.error(
+                Sentence(
+                    "check.feature_fails",
+                    "the feature {feature} fails with this file: {why}",
+                    feature=quoted(feature),
+                    why=why,
+                )
+            )
 
     def _add_source(self, source: SourceFile) -> None:
         """A file that belongs to the experiment."""
@@ -279,8 +293,12 @@ class _ExperimentDecoder:
             return None
         if "robots" in table:
             table["robots"].error(
-                f"{quoted(self._robot)} cannot play the parts of several robots; name each in a"
-                " copy of this file"
+                Sentence(
+                    "check.one_robot",
+                    "{robot} cannot play the parts of several robots; name each in a"
+                    " copy of this file",
+                    robot=quoted(self._robot),
+                )
             )
             return None
         return (
@@ -324,12 +342,24 @@ def _checked_pattern(pattern: str, section: Cursor | None) -> str:
     try:
         re.compile(pattern)
     except (re.error, OverflowError, RecursionError) as error:
-        entry.error(f"{quoted(pattern)} is not a regular expression: {error}")
+        entry.error(
+            Sentence(
+                "check.no_pattern",
+                "{pattern} is not a regular expression: {error}",
+                pattern=quoted(pattern),
+                error=error,
+            )
+        )
         return pattern
     if participant_pattern.is_slow(pattern):
         entry.warning(
-            f"some codes cannot be compared with {quoted(pattern)} within"
-            f" {participant_pattern.LIMIT_S * 1000:.0f} ms, and are refused;"
-            f" {participant_pattern.SIMPLER}"
+            Sentence(
+                "check.slow_pattern",
+                "some codes cannot be compared with {pattern} within {milliseconds:.0f}"
+                " ms, and are refused; {simpler}",
+                pattern=quoted(pattern),
+                milliseconds=participant_pattern.LIMIT_S * 1000,
+                simpler=participant_pattern.SIMPLER,
+            )
         )
     return pattern

@@ -8,43 +8,60 @@ import re
 from itertools import islice
 from pathlib import Path
 
+from woz_tui.config.problems import did_you_mean
+from woz_tui.protocol.sentence import Sentence
+
 #: So much of a file says what it is, in bytes.
 _HEAD = 4096
 #: No folder is looked through further, in entries.
 _MOST = 5000
 _WINDOWS = re.compile(r"[A-Za-z]:[\\/]")
+#: What a file can be.
+_WAV = Sentence("check.wav", "a WAV file")
+_AIFF = Sentence("check.aiff", "an AIFF file")
+_MP3 = Sentence("check.mp3", "an MP3 file")
+_OGG = Sentence("check.ogg", "an Ogg file")
+_FLAC = Sentence("check.flac", "a FLAC file")
+_MP4 = Sentence("check.mp4", "an MP4 file")
+_PNG = Sentence("check.png", "a PNG picture")
+_JPEG = Sentence("check.jpeg", "a JPEG picture")
+_GIF = Sentence("check.gif", "a GIF picture")
+_PAGE = Sentence("check.web_page", "a web page")
 #: How files begin, by what they are.
 _BEGINNINGS = (
-    ("a WAV file", rb"RIFF....WAVE"),
-    ("an AIFF file", rb"FORM....AIF"),
-    ("an MP3 file", rb"ID3|\xff[\xe2-\xe7\xf2-\xf7\xfa-\xff]"),
-    ("an Ogg file", rb"OggS"),
-    ("a FLAC file", rb"fLaC"),
-    ("an MP4 file", rb"....ftyp"),
-    ("a PNG picture", rb"\x89PNG"),
-    ("a JPEG picture", rb"\xff\xd8\xff"),
-    ("a GIF picture", rb"GIF8"),
-    ("a web page", rb"\s*<(?:!doctype|html)"),
+    (_WAV, rb"RIFF....WAVE"),
+    (_AIFF, rb"FORM....AIF"),
+    (_MP3, rb"ID3|\xff[\xe2-\xe7\xf2-\xf7\xfa-\xff]"),
+    (_OGG, rb"OggS"),
+    (_FLAC, rb"fLaC"),
+    (_MP4, rb"....ftyp"),
+    (_PNG, rb"\x89PNG"),
+    (_JPEG, rb"\xff\xd8\xff"),
+    (_GIF, rb"GIF8"),
+    (_PAGE, rb"\s*<(?:!doctype|html)"),
 )
 #: What a file is by the end of its name.
 _BY_NAME = {
-    ".wav": "a WAV file",
-    ".mp3": "an MP3 file",
-    ".ogg": "an Ogg file",
-    ".flac": "a FLAC file",
-    ".png": "a PNG picture",
-    ".jpg": "a JPEG picture",
-    ".jpeg": "a JPEG picture",
-    ".gif": "a GIF picture",
+    ".wav": _WAV,
+    ".mp3": _MP3,
+    ".ogg": _OGG,
+    ".flac": _FLAC,
+    ".png": _PNG,
+    ".jpg": _JPEG,
+    ".jpeg": _JPEG,
+    ".gif": _GIF,
 }
 
 
 def meant(folder: Path, text: str) -> str:
     """`; did you mean 'Gong.WAV'?` for a file that is not there, or why it is not; or nothing."""
     if text.lower().startswith("file:"):
-        return "; write the path alone, without file://"
+        return Sentence("check.path_alone", "; write the path alone, without file://")
     if _WINDOWS.match(text):
-        return "; this is a path of Windows; name it from the experiment's folder"
+        return Sentence(
+            "check.windows_path",
+            "; this is a path of Windows; name it from the experiment's folder",
+        )
     first, *rest = text.replace("\\", "/").split("/")
     found, names = folder, list[str]()
     if first == "" or first.startswith("~"):
@@ -56,7 +73,7 @@ def meant(folder: Path, text: str) -> str:
         if name is None:
             return ""
         found, names = found / name, [*names, name]
-    return f"; did you mean {'/'.join(names)!r}?" if found.is_file() else ""
+    return did_you_mean("/".join(names)) if found.is_file() else ""
 
 
 def _nearest_entry(folder: Path, name: str) -> str | None:
@@ -82,18 +99,26 @@ def doubt(path: Path) -> str:
         with path.open("rb") as file:
             head = file.read(_HEAD)
     except OSError as error:
-        return f"cannot be read: {error.strerror}"
+        return Sentence("check.unreadable", "cannot be read: {reason}", reason=error.strerror)
     if not head:
-        return "the file is empty"
+        return Sentence("check.file_empty", "the file is empty")
     kinds = [
         kind for kind, begins in _BEGINNINGS if re.match(begins, head, re.DOTALL | re.IGNORECASE)
     ]
     if said in kinds:
-        return "there is no sound in it" if said == "a WAV file" and _is_silent(path, head) else ""
+        return (
+            Sentence("check.no_sound", "there is no sound in it")
+            if said == _WAV and _is_silent(path, head)
+            else ""
+        )
     if kinds:
-        return f"this is {kinds[0]}, whatever its name says"
+        return Sentence("check.other_file", "this is {kind}, whatever its name says", kind=kinds[0])
     # Sounds of MP3 and pictures may begin with something else; a WAV file may not.
-    return "this is no WAV file, whatever its name says" if said == "a WAV file" else ""
+    return (
+        Sentence("check.no_wav", "this is no WAV file, whatever its name says")
+        if said == _WAV
+        else ""
+    )
 
 
 def _is_silent(path: Path, head: bytes) -> bool:

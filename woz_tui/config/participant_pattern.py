@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import re
 
+from woz_tui.protocol.sentence import Sentence
+
 #: Seconds that one comparison may take; an ordinary one takes microseconds.
 LIMIT_S = 0.02
 #: What helps against a pattern that takes longer.
-SIMPLER = "write participants.pattern without nested repetitions"
+SIMPLER = Sentence("check.simpler_pattern", "write participants.pattern without nested repetitions")
 
 
 def matches(pattern: str, code: str) -> bool:

@@ -33,6 +33,7 @@ from woz_tui.drivers.fields import Range, Sibling
 from woz_tui.drivers.plugins import Catalogue
 from woz_tui.feature import features
 from woz_tui.network.listen_address import ListenAddress, is_access_name
+from woz_tui.protocol.sentence import Sentence, said_by
 
 #: A robot that needs no hardware and no file: one driver of the same type, called `robot`.
 SIMULATED = "simulated"
@@ -59,7 +60,9 @@ def robot_keys() -> tuple[str, ...]:
 RemarkFunction = Callable[[Written], Iterable[Finding]]
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
-_NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
+_NAME_RULE = Sentence(
+    "check.name_rule", "a name has letters, digits, _ and -, and begins with a letter"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,14 +143,16 @@ class RobotReader:
         """Takes `robot` and `robots` out of the experiment's top level."""
         one, many = table.pop("robot", None), table.pop("robots", None)
         if one is not None and many is not None:
-            many.error("write either robot or robots, not both")
+            many.error(Sentence("check.robot_or_robots", "write either robot or robots, not both"))
             self._robots.incomplete = True
         elif one is not None:
             self._robot(one, "")
         elif many is not None:
             self._several(many)
         else:
-            missing({}, "robot", root, "robot: simulated needs no hardware")
+            missing(
+                {}, "robot", root, Sentence("check.simulated", "robot: simulated needs no hardware")
+            )
             self._robots.incomplete = True
         return self._robots
 
@@ -160,7 +165,15 @@ class RobotReader:
             try:
                 near = Path(name).expanduser()
             except RuntimeError as error:  # nobody of this name has a home
-                cursor.error(f"{quoted(name)}: {error}")
+                cursor.error(
+                    Sentence(
+                        "check.named_file",
+                        "{file}: {why}{near}",
+                        file=quoted(name),
+                        why=error,
+                        near="",
+                    )
+                )
                 self._robots.incomplete = True
                 return self._robots
             file = near if near.exists() else self._base / near
@@ -177,12 +190,14 @@ class RobotReader:
         return self._robots
 
     def _several(self, cursor: Cursor) -> None:
-        table = cursor.table("a mapping such as {left: robots/a.yaml, right: simulated}")
+        table = cursor.table(
+            Sentence("check.robots", "a mapping such as {{left: robots/a.yaml, right: simulated}}")
+        )
         if table is None:
             self._robots.incomplete = True
             return
         if not table:
-            cursor.error("a robot is missing here")
+            cursor.error(Sentence("check.robot_missing", "a robot is missing here"))
         for name, entry in table.items():
             if _can_be_named(entry, name):
                 self._robots.names.append(name)
@@ -191,7 +206,9 @@ class RobotReader:
     def _robot(self, cursor: Cursor, prefix: str) -> None:
         """One robot: a word, a file or a mapping."""
         before = len(self._robots.drivers)
-        expected = "the name of a robot, a robot file, or a mapping of drivers"
+        expected = Sentence(
+            "check.a_robot", "the name of a robot, a robot file, or a mapping of drivers"
+        )
         if isinstance(cursor.node, MappingNode):
             self._drivers(cursor, prefix)
         elif (text := read_text(cursor, expected)) is None:
@@ -213,15 +230,26 @@ class RobotReader:
             self._driver(plain, f"{prefix}robot", name)
         else:
             known = dict.fromkeys((*files, *self._catalogue))
-            near_names = self._report.hint(name, known, or_list="robots are")
-            cursor.error(f"there is no robot {quoted(name)}{near_names}")
+            near_names = self._report.hint(
+                name, known, or_list=Sentence("check.robots_are", "robots are")
+            )
+            cursor.error(
+                Sentence(
+                    "check.no_robot",
+                    "there is no robot {name}{near}",
+                    name=quoted(name),
+                    near=near_names,
+                )
+            )
 
     def _file(self, cursor: Cursor, text: str, prefix: str) -> None:
         source = named_source(cursor, text, self._base, lambda: self._file_hint(text))
         if source is None:
             return
         self._add_source(source)
-        root = document(source, self._report, "a mapping with drivers")
+        root = document(
+            source, self._report, Sentence("check.with_drivers", "a mapping with drivers")
+        )
         if root is not None:
             self._drivers(root, prefix)
 
@@ -248,7 +276,11 @@ class RobotReader:
 
     def _drivers(self, cursor: Cursor, prefix: str) -> None:
         """`{name: ..., drivers: {head: {type: ..., settings}, ...}}`."""
-        table = cursor.fields(robot_fields(), "a robot has", "a mapping with drivers")
+        table = cursor.fields(
+            robot_fields(),
+            Sentence("check.robot_has", "a robot has"),
+            Sentence("check.with_drivers", "a mapping with drivers"),
+        )
         if table is None:
             return
         if "name" in table:
@@ -260,11 +292,20 @@ class RobotReader:
         moves = self._names["move"]
         of_features = {key: table[key] for key in robot_keys() if key in table}
         self._robots.entries.append(RobotEntries(prefix.rstrip("."), of_features, moves))
-        drivers = missing(table, "drivers", cursor, "drivers: {head: {type: ...}}")
+        drivers = missing(
+            table,
+            "drivers",
+            cursor,
+            Sentence("check.drivers_example", "drivers: {{head: {{type: ...}}}}"),
+        )
         before = len(self._robots.drivers)
-        entries = drivers.table("a mapping of drivers by name") if drivers is not None else None
+        entries = (
+            drivers.table(Sentence("check.drivers_by_name", "a mapping of drivers by name"))
+            if drivers is not None
+            else None
+        )
         if drivers is not None and entries is not None and not entries:
-            drivers.error("a driver is missing here")
+            drivers.error(Sentence("check.driver_missing", "a driver is missing here"))
         for driver, entry in (entries or {}).items():
             if _can_be_named(entry, driver):
                 self._typed_driver(entry, f"{prefix}{driver}")
@@ -282,15 +323,28 @@ class RobotReader:
             problems = []
             sibling = there.get(f"{prefix}{name}")
             if name not in others:
-                near = self._report.hint(name, others, or_list="there are")
-                problems.append(f"this robot has no other driver called {quoted(name)}{near}")
+                near = self._report.hint(
+                    name, others, or_list=Sentence("check.there_are", "there are")
+                )
+                problems.append(
+                    Sentence(
+                        "check.no_other_driver",
+                        "this robot has no other driver called {name}{near}",
+                        name=quoted(name),
+                        near=near,
+                    )
+                )
             if sibling is not None and (why := sibling.offer.lacks.get(note.uses, "")):
-                problems.append(f"{name}: {why}")
+                problems.append(Sentence("check.about", "{what}: {why}", what=name, why=why))
             here = spec.at and spec.at.name
             if sibling is not None and (sibling.at and sibling.at.name) != here:
                 problems.append(
-                    f"{name} is at another computer, and the two work together many times a"
-                    " second: give both the same `at:`"
+                    Sentence(
+                        "check.other_computer",
+                        "{name} is at another computer, and the two work together many times"
+                        " a second: give both the same `at:`",
+                        name=name,
+                    )
                 )
             for problem in problems:
                 path = join(entries[own].path, setting)
@@ -298,19 +352,38 @@ class RobotReader:
 
     def _typed_driver(self, cursor: Cursor, name: str) -> None:
         before = len(self._robots.drivers)
-        table = cursor.table("a mapping with type and settings")
-        kind_cursor = (
-            None if table is None else missing(table, "type", cursor, "which driver it is")
+        table = cursor.table(
+            Sentence("check.type_and_settings", "a mapping with type and settings")
         )
-        kind = None if kind_cursor is None else read_text(kind_cursor, "the driver's type")
+        kind_cursor = (
+            None
+            if table is None
+            else missing(
+                table, "type", cursor, Sentence("check.which_driver", "which driver it is")
+            )
+        )
+        kind = (
+            None
+            if kind_cursor is None
+            else read_text(kind_cursor, Sentence("check.drivers_type", "the driver's type"))
+        )
         if kind_cursor is not None and kind is not None:
             if kind in self._catalogue:
                 at = table.get(AT) if table is not None else None
                 process = table.get(PROCESS) if table is not None else None
                 self._driver(cursor, name, kind, None if at is None else _read_place(at), process)
             else:
-                near = self._report.hint(kind, self._catalogue, or_list="installed are")
-                kind_cursor.error(f"there is no driver of type {quoted(kind)}{near}")
+                near = self._report.hint(
+                    kind, self._catalogue, or_list=Sentence("check.installed_are", "installed are")
+                )
+                kind_cursor.error(
+                    Sentence(
+                        "check.no_driver_type",
+                        "there is no driver of type {kind}{near}",
+                        kind=quoted(kind),
+                        near=near,
+                    )
+                )
         if len(self._robots.drivers) == before:
             self._robots.incomplete = True
 
@@ -326,10 +399,17 @@ class RobotReader:
         try:
             driver = self._catalogue[kind]
         except KeyError:
-            cursor.error(f"there is no driver of type {quoted(kind)}")
+            cursor.error(
+                Sentence(
+                    "check.no_driver_type",
+                    "there is no driver of type {kind}{near}",
+                    kind=quoted(kind),
+                    near="",
+                )
+            )
             return
         except Exception as error:  # noqa: BLE001 - a plug-in that cannot be imported
-            cursor.error(str(error) or type(error).__name__)
+            cursor.error(said_by(error) or type(error).__name__)
             return
         if PROCESS in names_of(driver.Settings):
             process = None  # a setting of its own
@@ -364,7 +444,14 @@ class RobotReader:
                 process=where,
             )
         except Exception as error:  # noqa: BLE001 - a plug-in's code
-            cursor.error(f"the driver {kind!r} fails with these settings: {error!r}")
+            cursor.error(
+                Sentence(
+                    "check.driver_fails",
+                    "the driver {kind!r} fails with these settings: {error!r}",
+                    kind=kind,
+                    error=error,
+                )
+            )
             return
         self._robots.drivers.append(spec)
         if spec.offer.asks:
@@ -380,8 +467,10 @@ class RobotReader:
 
 def _read_names(cursor: Cursor) -> dict[str, str]:
     """`{wave: Hey_1}`: names that experiments use -> those of the driver."""
-    table = cursor.table("a mapping such as {wave: Hey_1}") or {}
-    read = {name: read_text(entry, "a name") for name, entry in table.items()}
+    table = cursor.table(Sentence("check.own_names", "a mapping such as {{wave: Hey_1}}")) or {}
+    read = {
+        name: read_text(entry, Sentence("check.a_name", "a name")) for name, entry in table.items()
+    }
     return {name: text for name, text in read.items() if text is not None}
 
 
@@ -390,38 +479,73 @@ def _read_place(cursor: Cursor) -> DriverPlace | None:
     if isinstance(cursor.node, MappingNode):
         place = read_section(cursor, DriverPlace)
     else:
-        name = read_text(cursor, "the name of another computer")
+        name = read_text(cursor, Sentence("check.computer_name", "the name of another computer"))
         place = None if name is None else DriverPlace(name)
     if place is None:
         return None
     if not is_access_name(place.name):
         cursor.error(
-            f"{quoted(place.name)} is no name of a computer: use letters (a to z), digits, - and _"
+            Sentence(
+                "check.no_computer_name",
+                "{name} is no name of a computer: use letters (a to z), digits, - and _",
+                name=quoted(place.name),
+            )
         )
     try:
         ListenAddress.read(place.listen)
     except ValueError as error:
-        cursor.error(str(error))
+        cursor.error(said_by(error))
     return place
 
 
 def _read_process(cursor: Cursor, at: DriverPlace | None) -> str:
-    process = read_text(cursor, f"{OWN_PROCESS} or {SHARED_PROCESS}")
+    process = read_text(
+        cursor,
+        Sentence(
+            "check.processes",
+            "{own_process} or {shared_process}",
+            own_process=OWN_PROCESS,
+            shared_process=SHARED_PROCESS,
+        ),
+    )
     if process is None:
         return ""
     if process not in (OWN_PROCESS, SHARED_PROCESS):
-        cursor.error(f"{quoted(process)}: write {OWN_PROCESS} or {SHARED_PROCESS}")
+        cursor.error(
+            Sentence(
+                "check.no_process",
+                "{process}: write {own_process} or {shared_process}",
+                process=quoted(process),
+                own_process=OWN_PROCESS,
+                shared_process=SHARED_PROCESS,
+            )
+        )
     elif at is not None:
-        cursor.error(f"it runs at {at.name}: take `{PROCESS}` or `{AT}` away")
+        cursor.error(
+            Sentence(
+                "check.process_elsewhere",
+                "it runs at {name}: take `{process}` or `{at}` away",
+                name=at.name,
+                process=PROCESS,
+                at=AT,
+            )
+        )
     return process
 
 
 def _can_be_named(cursor: Cursor, name: str) -> bool:
     if name in performers():
         of_features = {each.name: each.who for each in performers_of_features().values()}
-        who = {SESSION: "the session itself", **of_features}
-        itself = who.get(name, "the engagement model")
-        cursor.error(f"{name!r} is already the name of {itself}; choose another name")
+        who = {SESSION: Sentence("check.session_itself", "the session itself"), **of_features}
+        itself = who.get(name, Sentence("check.the_engagement_model", "the engagement model"))
+        cursor.error(
+            Sentence(
+                "check.performers_name",
+                "{name!r} is already the name of {itself}; choose another name",
+                name=name,
+                itself=itself,
+            )
+        )
         return False
     if not _NAME.fullmatch(name):
         cursor.error(_NAME_RULE)

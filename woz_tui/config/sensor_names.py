@@ -6,8 +6,9 @@ from collections import Counter
 from collections.abc import Collection, Sequence
 
 from woz_tui.config.experiment import DriverSpec
-from woz_tui.config.problems import quoted
+from woz_tui.config.problems import did_you_mean, quoted
 from woz_tui.config.yaml_cursor import Cursor, texts_of
+from woz_tui.protocol.sentence import Sentence
 
 #: What may be named among the sensors though it is none: the model, and all joints.
 ENGAGEMENT, POSE = "engagement", "pose"
@@ -58,13 +59,28 @@ def check_shown(cursor: Cursor | None, published: Collection[str] | None, has_mo
     for entry, name in texts_of(cursor):
         near = entry.report.nearest(name, known)
         if name == ENGAGEMENT and not has_model:
-            entry.warning("nothing shows it: the file has no section engagement")
+            entry.warning(
+                Sentence(
+                    "check.nothing_shows_it", "nothing shows it: the file has no section engagement"
+                )
+            )
         elif name in known or published is None:
             continue
         elif near is not None:
-            entry.error(f"there is no sensor {quoted(name)}; did you mean {near!r}?")
+            entry.error(
+                Sentence(
+                    "check.no_sensor",
+                    "there is no sensor {name}{near}",
+                    name=quoted(name),
+                    near=did_you_mean(near),
+                )
+            )
         else:
             entry.warning(
-                f"no driver names a sensor {quoted(name)}; it is shown if the running robot gives"
-                " it (`woz check --all` lists them)"
+                Sentence(
+                    "check.sensor_not_named",
+                    "no driver names a sensor {name}; it is shown if the running robot"
+                    " gives it (`woz check --all` lists them)",
+                    name=quoted(name),
+                )
             )

@@ -9,6 +9,7 @@ from woz_tui.config import utterance_template
 from woz_tui.config.engagement_words import FILTERS, SIGNS, UNKNOWN
 from woz_tui.config.visitor_names import name_of, word_of
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence, said_by
 
 #: Gives a sign back to its sensor.
 SENSOR = "sensor"
@@ -25,17 +26,40 @@ def sign_value(sign: str, value: str) -> bool | float | str | None:
     if sign == "identity":
         if value.strip() and value not in _VERDICTS:
             return value
-        raise ValueError(f"identity is a name, {UNKNOWN} or {SENSOR}, not {value!r}")
+        raise ValueError(
+            Sentence(
+                "check.identity_value",
+                "identity is a name, {unknown} or {sensor}, not {value!r}",
+                unknown=UNKNOWN,
+                sensor=SENSOR,
+                value=value,
+            )
+        )
     if value in _VERDICTS:
         return _VERDICTS[value]
     if sign != "distance":
-        raise ValueError(f"{sign} is on, off or {SENSOR}, not {value!r}")
+        raise ValueError(
+            Sentence(
+                "check.sign_value",
+                "{sign} is on, off or {sensor}, not {value!r}",
+                sign=sign,
+                sensor=SENSOR,
+                value=value,
+            )
+        )
     try:
         metres = float(value)
     except ValueError:
         metres = math.nan
     if not (math.isfinite(metres) and metres >= 0):
-        raise ValueError(f"distance is on, off, {SENSOR} or a number of metres, not {value!r}")
+        raise ValueError(
+            Sentence(
+                "check.distance_value",
+                "distance is on, off, {sensor} or a number of metres, not {value!r}",
+                sensor=SENSOR,
+                value=value,
+            )
+        )
     return metres
 
 
@@ -61,10 +85,13 @@ def argument_problem(verb: str, args: Mapping[str, Json]) -> str:
             code = _fixed(args, "code")
             if code is not None and (code or verb == "visitor"):
                 name_of(code)
-            for name, what in (("age_group", "an age group"), ("address", "a form of address")):
+            for name, what in (
+                ("age_group", Sentence("check.age_group", "an age group")),
+                ("address", Sentence("check.form_of_address", "a form of address")),
+            ):
                 word_of(_fixed(args, name) or "", what)
     except ValueError as error:
-        return str(error)
+        return said_by(error)
     return ""
 
 
@@ -79,14 +106,17 @@ def _filter_problem(args: Mapping[str, Json]) -> str:
     if sign not in (*SIGNS, "all"):
         return ""
     if kind == "median" and sign == "all":
-        return (
-            "a median is for distance only: filter: {sign: distance, kind: median},"
-            " or take fifo or joint for all"
+        return Sentence(
+            "check.median_of_all",
+            "a median is for distance only: filter: {{sign: distance, kind:"
+            " median}}, or take fifo or joint for all",
         )
     if kind == "median" and sign != "distance":
-        return "a median is for distance; take fifo or joint"
+        return Sentence("check.median_of_sign", "a median is for distance; take fifo or joint")
     if not {"kind", "samples", "threshold"} & args.keys():
-        return "changes nothing; add a kind, samples or a threshold"
+        return Sentence(
+            "check.filter_nothing", "changes nothing; add a kind, samples or a threshold"
+        )
     return ""
 
 
@@ -95,4 +125,9 @@ def without_a_sign(verb: str, text: str) -> str:
     if verb != "filter" or text not in FILTERS:
         return ""
     sign = "distance" if text == "median" else "all"
-    return f"{text!r} is a kind of filter; name the sign: filter: {{sign: {sign}, kind: {text}}}"
+    return Sentence(
+        "check.filter_kind",
+        "{text!r} is a kind of filter; name the sign: filter: {{sign: {sign}, kind: {text}}}",
+        text=text,
+        sign=sign,
+    )

@@ -20,6 +20,7 @@ from woz_tui.config.yaml_cursor import (
 )
 from woz_tui.config.yaml_nodes import MappingNode
 from woz_tui.drivers.fields import NotEmpty, OneOrMore
+from woz_tui.protocol.sentence import Sentence
 
 
 def read_study(file: Study, table: Mapping[str, Cursor], playable: Collection[str] | None) -> Study:
@@ -31,7 +32,9 @@ def read_study(file: Study, table: Mapping[str, Cursor], playable: Collection[st
     blur = dict(perception.entries()).get("blur") if perception is not None else None
     for entry, word in texts_of(blur):
         if word in file.perception.hide:
-            entry.warning("is hidden already and cannot be blurred as well")
+            entry.warning(
+                Sentence("check.hidden_already", "is hidden already and cannot be blurred as well")
+            )
     return Study(
         preflight=file.preflight,
         answers=_read_answers(table.get("answers"), playable),
@@ -45,17 +48,21 @@ def _read_answers(
     """What answers which cue; a list alone answers every one."""
     if cursor is None:
         return {}
-    expected = "cues with verbs or panels that answer them, such as speech: [say]"
+    expected = Sentence(
+        "check.cues", "cues with verbs or panels that answer them, such as speech: [say]"
+    )
     if not isinstance(cursor.node, MappingNode):
         found = _playable(cursor, playable)
         return dict.fromkeys(CUES, found) if found else {}
-    entries = cursor.fields(CUES, "a cue is", expected) or {}
+    entries = cursor.fields(CUES, Sentence("check.cue_is", "a cue is"), expected) or {}
     return {cue: _playable(entry, playable) for cue, entry in entries.items() if cue in CUES}
 
 
 _PLAYABLE = (
-    OneOrMore("a verb or a panel's title"),
-    NotEmpty("nothing stands here; leave it out, and speech answers"),
+    OneOrMore(Sentence("check.verb_or_panel", "a verb or a panel's title")),
+    NotEmpty(
+        Sentence("check.answers_nothing", "nothing stands here; leave it out, and speech answers")
+    ),
 )
 
 
@@ -63,6 +70,15 @@ def _playable(cursor: Cursor, playable: Collection[str] | None) -> tuple[str, ..
     names = read_value(cursor, tuple[str, ...], _PLAYABLE)
     for entry, name in texts_of(cursor):
         if playable is not None and name not in playable:
-            near = entry.report.hint(name, playable, or_list="there are")
-            entry.error(f"{quoted(name)} is neither a verb nor a panel{near}")
+            near = entry.report.hint(
+                name, playable, or_list=Sentence("check.there_are", "there are")
+            )
+            entry.error(
+                Sentence(
+                    "check.no_verb_no_panel",
+                    "{name} is neither a verb nor a panel{near}",
+                    name=quoted(name),
+                    near=near,
+                )
+            )
     return () if isinstance(names, Invalid) else tuple(names)

@@ -9,6 +9,8 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from typing import TYPE_CHECKING
 
+from woz_tui.protocol.sentence import Sentence
+
 if TYPE_CHECKING:  # consoles fill in what the robot process has checked
     from woz_tui.config.yaml_cursor import Cursor
 
@@ -26,7 +28,7 @@ HIDDEN_TEXT = "..."
 #: How a sentence begins that `woz new` leaves to the author.
 TO_WRITE = "TO WRITE"
 #: Of each of those `woz check` says so.
-UNWRITTEN = "not written yet: the robot would say it as it stands"
+UNWRITTEN = Sentence("check.unwritten", "not written yet: the robot would say it as it stands")
 #: What a variable may be called.
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 #: What stands in braces: such a name, or something known of a person.
@@ -87,7 +89,23 @@ def check(cursor: Cursor, text: str, known: Collection[str]) -> None:
         name = match["name"]
         if match["brace"]:
             brace = match["brace"]
-            cursor.error(f"a {brace!r} without its counterpart; write {brace * 2} for a brace")
+            cursor.error(
+                Sentence(
+                    "check.brace",
+                    "a {brace!r} without its counterpart; write {twice} for a brace",
+                    brace=brace,
+                    twice=brace * 2,
+                )
+            )
         elif name is not None and name not in known:
-            nearest = cursor.report.hint(name, known, or_list="known are")
-            cursor.error(f"there is no variable {{{name}}}{nearest}")
+            nearest = cursor.report.hint(
+                name, known, or_list=Sentence("check.known_are", "known are")
+            )
+            cursor.error(
+                Sentence(
+                    "check.no_variable",
+                    "there is no variable {{{name}}}{near}",
+                    name=name,
+                    near=nearest,
+                )
+            )

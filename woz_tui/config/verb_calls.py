@@ -15,7 +15,7 @@ from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.condition_texts import Deciding, Variables, in_place, is_choice, read_choice
 from woz_tui.config.experiment import ARRIVED, Call, LeftOut, ParallelCalls, TextVariants
 from woz_tui.config.performers import ENGAGEMENT, performers
-from woz_tui.config.problems import ProblemReport, join, listed, quoted
+from woz_tui.config.problems import ProblemReport, either, join, listed, quoted, together
 from woz_tui.config.robots import PLAY, Robots, VerbOffer
 from woz_tui.config.session_verbs import ENGAGEMENT_VERBS, WAIT
 from woz_tui.config.sign_values import argument_problem, without_a_sign
@@ -32,6 +32,7 @@ from woz_tui.config.yaml_nodes import ListNode, MappingNode, ScalarNode
 from woz_tui.drivers.contract import FACE_CONSENT, Argument
 from woz_tui.drivers.fields import Range
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence
 
 #: Nothing in an experiment takes longer than a day.
 _LONGEST = Range(0.0, 86_400.0, "s")
@@ -95,14 +96,23 @@ class CallReader:
         beside = {name: entry for name, entry in table.items() if name not in known}
         if WAIT.name in verbs:
             verbs.pop(WAIT.name).error(
-                "wait must be a separate step: steps: [{say: Hello}, {wait: 0.5}, ...]"
+                Sentence(
+                    "check.wait_apart",
+                    "wait must be a separate step: steps: [{{say: Hello}}, {{wait: 0.5}}, ...]",
+                )
             )
         targets = self._targets(on)
         chosen = {name: self._offers_chosen(entry, name, targets) for name, entry in verbs.items()}
         shares = self._arguments_by_verb(verbs, beside, others)
         if not table and not self._vocabulary.robots.incomplete:
             verbs_known = listed(self._vocabulary.names)
-            cursor.error(f"does nothing; add a verb: {verbs_known}")
+            cursor.error(
+                Sentence(
+                    "check.no_verb",
+                    "does nothing; add a verb: {verbs_known}",
+                    verbs_known=verbs_known,
+                )
+            )
         calls: list[Call] = []
         left_out: list[LeftOut] = []
         for name, entry in verbs.items():
@@ -135,7 +145,13 @@ class CallReader:
         )
         if step.calls and calls == step.calls:
             verbs = ", ".join(f"{call.driver}'s {call.verb}" for call in step.calls)
-            until.error(f"{verbs} does not tell when it has arrived; leave out until")
+            until.error(
+                Sentence(
+                    "check.no_arrival",
+                    "{verbs} does not tell when it has arrived; leave out until",
+                    verbs=verbs,
+                )
+            )
         return replace(step, calls=calls)
 
     def _call(self, offer: VerbOffer, entry: Cursor, beside: Mapping[str, Cursor]) -> Call:
@@ -151,16 +167,25 @@ class CallReader:
             return None
         entries = [*on.items()] if isinstance(on.node, ListNode) else [on]
         if not entries:
-            on.error("names no driver and no robot")
+            on.error(Sentence("check.names_nobody", "names no driver and no robot"))
         known = self._vocabulary.targets
         wanted = []
         for entry in entries:
-            name = read_text(entry, "a driver or robot")
+            name = read_text(entry, Sentence("check.driver_or_robot", "a driver or robot"))
             if name is not None and name in known:
                 wanted.append(entry)
             elif name is not None and not self._vocabulary.robots.incomplete:
-                near = entry.report.hint(name, known, or_list="there are")
-                entry.error(f"there is no driver or robot {quoted(name)}{near}")
+                near = entry.report.hint(
+                    name, known, or_list=Sentence("check.there_are", "there are")
+                )
+                entry.error(
+                    Sentence(
+                        "check.no_target",
+                        "there is no driver or robot {name}{near}",
+                        name=quoted(name),
+                        near=near,
+                    )
+                )
         return wanted
 
     def _offers_chosen(
@@ -178,8 +203,16 @@ class CallReader:
         if offers and offers[0].driver in performers():
             return list(offers)
         if targets is None and len(offers) > 1 and name != FACE_CONSENT:
-            who = " and ".join(offer.driver for offer in offers)
-            verb.error(f"{who} offer {name!r}; choose one, for example on: {offers[0].driver}")
+            who = together(offer.driver for offer in offers)
+            verb.error(
+                Sentence(
+                    "check.choose_on",
+                    "{who} offer {name!r}; choose one, for example on: {driver}",
+                    who=who,
+                    name=name,
+                    driver=offers[0].driver,
+                )
+            )
             return []
         if targets is None:
             return list(offers)
@@ -204,12 +237,25 @@ class CallReader:
         if not fitting:
             who = ", ".join(offer.driver for offer in offers)
             target.error(
-                f"{wanted!r} does not offer {name!r}, {who} does;"
-                f" to name it for this verb alone, write {name}: {{on: ...}}"
+                Sentence(
+                    "check.target_lacks_verb",
+                    "{wanted!r} does not offer {name!r}, {who} does; to name it for this"
+                    " verb alone, write {name}: {{on: ...}}",
+                    wanted=wanted,
+                    name=name,
+                    who=who,
+                )
             )
         else:
-            who = " and ".join(offer.driver for offer in fitting)
-            target.error(f"{who} both offer {name!r}; choose one of them")
+            who = together(offer.driver for offer in fitting)
+            target.error(
+                Sentence(
+                    "check.target_unclear",
+                    "{who} both offer {name!r}; choose one of them",
+                    who=who,
+                    name=name,
+                )
+            )
         return []
 
     def _arguments_by_verb(
@@ -220,8 +266,13 @@ class CallReader:
         for name, entry in verbs.items():
             for rival in (verb for verb in verbs if verb != name and name in takes[verb]):
                 entry.error(
-                    f"is a verb and an argument of {rival!r}; write it as"
-                    f" {rival}: {{..., {name}: ...}}, or put the verbs into steps"
+                    Sentence(
+                        "check.verb_or_argument",
+                        "is a verb and an argument of {rival!r}; write it as {rival}: {{...,"
+                        " {name}: ...}}, or put the verbs into steps",
+                        rival=rival,
+                        name=name,
+                    )
                 )
         shares: dict[str, dict[str, Cursor]] = {}
         sectionless = self._report_sectionless(beside)
@@ -233,8 +284,14 @@ class CallReader:
                 shares.setdefault(takers[0], {})[name] = entry
             elif takers:
                 entry.error(
-                    f"{' and '.join(map(repr, takers))} both take {name!r}; write it under one:"
-                    f" {takers[0]}: {{..., {name}: ...}}"
+                    Sentence(
+                        "check.argument_unclear",
+                        "{verbs} both take {argument!r}; write it under one: {verb}: {{...,"
+                        " {argument}: ...}}",
+                        verbs=together(map(repr, takers)),
+                        argument=name,
+                        verb=takers[0],
+                    )
                 )
             else:
                 self._report_unknown(entry, name, takes, others)
@@ -247,8 +304,12 @@ class CallReader:
             verb = ENGAGEMENT_VERBS.get(name)
             if verb is not None and ENGAGEMENT not in self._vocabulary.performers:
                 entry.error(
-                    f"{name!r} is a verb of the engagement model, which this experiment does not"
-                    " have; add a section to the file: engagement: {}"
+                    Sentence(
+                        "check.no_engagement",
+                        "{name!r} is a verb of the engagement model, which this experiment"
+                        " does not have; add a section to the file: engagement: {{}}",
+                        name=name,
+                    )
                 )
                 found |= {name, *(argument.name for argument in verb.arguments)}
         return found
@@ -270,16 +331,24 @@ class CallReader:
         if self._vocabulary.robots.incomplete:
             return  # it may belong to a driver whose own errors come first
         if why := self._vocabulary.robots.why_lacking(name):
-            entry.error(f"no driver offers it; {why}")
+            entry.error(Sentence("check.nobody_offers_it", "no driver offers it; {why}", why=why))
             return
         owners = [verb for verb in self._vocabulary.names if name in self._arguments_of(verb)]
         if owners:
-            entry.error(f"belongs to {' or '.join(map(repr, owners[:3]))}, which is not here")
+            entry.error(
+                Sentence(
+                    "check.argument_of_others",
+                    "belongs to {verbs}, which is not here",
+                    verbs=either(map(repr, owners[:3])),
+                )
+            )
             return
         arguments = [name for verb in self._vocabulary.names for name in self._arguments_of(verb)]
         near = [name for arguments_of in takes.values() for name in arguments_of]
         verbs = self._vocabulary.names
-        entry.unknown([*others, *near, *verbs, *arguments], "verbs are", verbs)
+        entry.unknown(
+            [*others, *near, *verbs, *arguments], Sentence("check.verbs_are", "verbs are"), verbs
+        )
 
     def _warn_of_same_lane(
         self,
@@ -301,7 +370,13 @@ class CallReader:
             first = seen.setdefault((call.driver, verb.lane), call.verb)
             if first != call.verb:
                 verbs[call.verb].warning(
-                    f"waits until {first!r} has ended: both use the {verb.lane} of {call.driver}"
+                    Sentence(
+                        "check.same_lane",
+                        "waits until {first!r} has ended: both use the {lane} of {driver}",
+                        first=first,
+                        lane=verb.lane,
+                        driver=call.driver,
+                    )
                 )
 
 
@@ -329,10 +404,21 @@ class _Substitute:
             drivers = {offer.driver for offer in own}
             offers = [offer for offer in offers if offer.driver in drivers] or offers
         if len(offers) > 1:
-            who = " and ".join(offer.driver for offer in offers)
-            self._entry.error(f"{who} of {self._another.label} both offer {name!r}")
+            who = together(offer.driver for offer in offers)
+            self._entry.error(
+                Sentence(
+                    "check.robot_unclear",
+                    "{who} of {label} both offer {name!r}",
+                    who=who,
+                    label=self._another.label,
+                    name=name,
+                )
+            )
         if not offers and not self._another.incomplete:
-            self._leave_out(name, self._another.why_lacking(name) or "not offered")
+            self._leave_out(
+                name,
+                self._another.why_lacking(name) or Sentence("check.not_offered", "not offered"),
+            )
         return offers[:1]
 
     def call(
@@ -362,8 +448,10 @@ class _Substitute:
         if report.errors:
             problem = report.errors[0]
             part = problem.path.removeprefix(self._entry.path)
-            subject = f"{part.lstrip('.')}: " if part.startswith((".", "[")) else ""
-            self._leave_out(verb, f"{subject}{problem.message}")
+            why = problem.message
+            if part.startswith((".", "[")):
+                why = Sentence("check.about", "{what}: {why}", what=part.lstrip("."), why=why)
+            self._leave_out(verb, why)
             return None
         move = offer.verb.arguments[0].name if verb == PLAY and offer.verb.arguments else ""
         for warning in report.warnings:
@@ -372,14 +460,24 @@ class _Substitute:
                 return None
             self._entry.report.warning(warning.place, warning.path, warning.message)
         for name in sorted(dropped & {*beside, *dict(self._entry.entries())}):
-            self._leave_out(f"{verb}.{name}", "not offered")
+            self._leave_out(f"{verb}.{name}", Sentence("check.not_offered", "not offered"))
         return call
 
     def _leave_out(self, what: str, why: str) -> None:
         self.left_out.append(LeftOut(what, why))
         argument = what.partition(".")[2]
-        subject = f"{quoted(argument)} is left out" if argument else "is left out"
-        self._entry.warning(f"{subject} on {self._another.label}: {why}")
+        robot = self._another.label
+        self._entry.warning(
+            Sentence(
+                "check.argument_left_out",
+                "{argument} is left out on {robot}: {why}",
+                argument=quoted(argument),
+                robot=robot,
+                why=why,
+            )
+            if argument
+            else Sentence("check.left_out", "is left out on {robot}: {why}", robot=robot, why=why)
+        )
 
 
 class _Arguments:
@@ -404,11 +502,23 @@ class _Arguments:
         given = self._given_under_verb()
         for name, entry in beside.items():
             if name in given:
-                entry.error(f"is set twice: here and under {self._verb.name!r}")
+                entry.error(
+                    Sentence(
+                        "check.set_twice",
+                        "is set twice: here and under {name!r}",
+                        name=self._verb.name,
+                    )
+                )
             elif name in self._known:
                 given[name] = entry
             else:
-                entry.error(f"this {self._verb.name!r} has no such argument")
+                entry.error(
+                    Sentence(
+                        "check.not_its_argument",
+                        "this {name!r} has no such argument",
+                        name=self._verb.name,
+                    )
+                )
         args: dict[str, Json] = {}
         whole = True
         for argument in self._verb.arguments:
@@ -420,10 +530,17 @@ class _Arguments:
                 else:
                     args[argument.name] = value
             elif argument.required and written is None:
-                what = f" ({argument.summary})" if argument.summary else ""
+                what = (
+                    Sentence("check.in_brackets", " ({text})", text=argument.summary)
+                    if argument.summary
+                    else ""
+                )
                 cursor, absent = self._cursor, join(self._cursor.path, argument.name)
                 cursor.report.missing(
-                    cursor.place, cursor.path, f"needs {argument.name!r}{what}", absent
+                    cursor.place,
+                    cursor.path,
+                    Sentence("check.needs", "needs {name!r}{what}", name=argument.name, what=what),
+                    absent,
                 )
                 whole = False
         if whole and None not in args.values():
@@ -449,12 +566,22 @@ class _Arguments:
         except ValueError as error:
             name = error.args[0]
             entry.error(
-                f"{{{name}}} has another text in each condition, with something that is known only"
-                f" when it is said, and here {texts.by} decides: write its words out"
+                Sentence(
+                    "check.late_by_variable",
+                    "{{{name}}} has another text in each condition, with something that is known"
+                    " only when it is said, and here {by} decides: write its words out",
+                    name=name,
+                    by=texts.by,
+                )
             )
             return None
         if placed is not texts and argument.kind not in self._chosen:
-            entry.error("the engagement model knows no text by condition: write the words out")
+            entry.error(
+                Sentence(
+                    "check.model_by_condition",
+                    "the engagement model knows no text by condition: write the words out",
+                )
+            )
             return None
         return value if placed is texts else placed
 
@@ -484,7 +611,13 @@ class _Arguments:
             return self._given_in_mapping(node, main)
         if main is None:
             if not (isinstance(node, ScalarNode) and node.text == "true"):
-                self._cursor.error(f"takes no arguments; write only {self._verb.name}:")
+                self._cursor.error(
+                    Sentence(
+                        "check.takes_nothing",
+                        "takes no arguments; write only {name}:",
+                        name=self._verb.name,
+                    )
+                )
             return {}
         return {main.name: self._cursor}
 
@@ -506,9 +639,20 @@ class _Arguments:
         chosen = self._conditions if main is not None and main.kind in self._chosen else ()
         for name, entry in entries.items():
             if name in chosen and main is not None:
-                entry.error(f"is a condition; put its text under {main.name}: {{{name}: ...}}")
+                entry.error(
+                    Sentence(
+                        "check.condition_misplaced",
+                        "is a condition; put its text under {argument}: {{{condition}: ...}}",
+                        argument=main.name,
+                        condition=name,
+                    )
+                )
             else:
-                entry.unknown([*self._known, *chosen], f"{self._verb.name} takes", [*self._known])
+                entry.unknown(
+                    [*self._known, *chosen],
+                    Sentence("check.verb_takes", "{name} takes", name=self._verb.name),
+                    [*self._known],
+                )
         return given
 
     # -- from a node to the value that a driver is given ------------------------------------------
@@ -520,12 +664,16 @@ class _Arguments:
             case "text" | "choice" | "file" as kind:
                 return self._text(cursor, argument, file=kind == "file")
             case "joints":
-                table = cursor.table("joint names with degrees, such as {pan: 20}")
+                table = cursor.table(
+                    Sentence("check.joints", "joint names with degrees, such as {{pan: 20}}")
+                )
                 return None if table is None else self._angles(cursor, table, allowed)
             case "poses":
-                entries = cursor.list("a list of poses, such as [{pan: 20, seconds: 1}]")
+                entries = cursor.list(
+                    Sentence("check.poses", "a list of poses, such as [{{pan: 20, seconds: 1}}]")
+                )
                 if entries == []:
-                    cursor.error("a pose is missing here")
+                    cursor.error(Sentence("check.pose_missing", "a pose is missing here"))
                 return None if entries is None else [self._pose(each, allowed) for each in entries]
             case "number":
                 return read_number(cursor, allowed)
@@ -535,7 +683,13 @@ class _Arguments:
                 return read_flag(cursor)
             case "seconds":
                 return read_seconds(cursor, allowed or _LONGEST)
-        cursor.error(f"the driver names an unknown kind of argument: {argument.kind!r}")
+        cursor.error(
+            Sentence(
+                "check.unknown_kind",
+                "the driver names an unknown kind of argument: {kind!r}",
+                kind=argument.kind,
+            )
+        )
         return None
 
     def _text(self, cursor: Cursor, argument: Argument, *, file: bool) -> Json:
@@ -544,7 +698,9 @@ class _Arguments:
             cursor = replace(cursor, node=replace(cursor.node, text=names[cursor.node.text]))
         if argument.choices and not file:
             return read_word(cursor, argument.choices)
-        text = read_text(cursor, "a file" if file else "text")
+        text = read_text(
+            cursor, Sentence("check.a_file", "a file") if file else Sentence("check.a_text", "text")
+        )
         if text is None or (file and "://" in text and not text.lower().startswith("file:")):
             return text
         utterance_template.check(cursor, text, self._variables)
@@ -555,21 +711,27 @@ class _Arguments:
 
     def _angles(self, cursor: Cursor, table: Mapping[str, Cursor], allowed: Range | None) -> Json:
         if not table:
-            cursor.error("the joints are missing here")
+            cursor.error(Sentence("check.joints_missing", "the joints are missing here"))
         joints = self._offer.joints
         angles: dict[str, Json] = {}
         for written, entry in table.items():
             name = self._offer.names.get(written, written)
             if joints is not None and name not in joints:
-                near = entry.report.hint(name, joints, or_list="the joints are")
-                entry.error(f"there is no joint {name!r}{near}")
+                near = entry.report.hint(
+                    name, joints, or_list=Sentence("check.joints_are", "the joints are")
+                )
+                entry.error(
+                    Sentence(
+                        "check.no_joint", "there is no joint {name!r}{near}", name=name, near=near
+                    )
+                )
             else:
                 angles[name] = read_number(entry, allowed if joints is None else joints[name])
         return angles
 
     def _pose(self, cursor: Cursor, allowed: Range | None) -> Json:
         """`{joints: {pan: 20}, seconds: 1}`, or shorter `{pan: 20, seconds: 1}`."""
-        table = cursor.table("a pose, such as {pan: 20, seconds: 1}")
+        table = cursor.table(Sentence("check.a_pose", "a pose, such as {{pan: 20, seconds: 1}}"))
         if table is None:
             return None
         seconds, nested = table.pop("seconds", None), table.get("joints")
@@ -578,7 +740,7 @@ class _Arguments:
             angles = dict(nested.entries())
             for name, entry in table.items():
                 if name != "joints":
-                    entry.unknown(("joints", "seconds"), "a pose has")
+                    entry.unknown(("joints", "seconds"), Sentence("check.pose_has", "a pose has"))
         pose = {"joints": self._angles(cursor, angles, allowed)}
         if seconds is not None:
             pose["seconds"] = read_seconds(seconds, _LONGEST)

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import unicodedata
 
+from woz_tui.config.problems import with_remedy
+from woz_tui.protocol.sentence import Sentence
+
 #: Longest name, in code points after normalisation.
 LONGEST = 64
 #: Longest word in a profile.
 LONGEST_WORD = 32
 #: Names that mean something else where an identity is given.
-RESERVED = {"unknown": "it is the word for a visitor without a name", "sensor": "it is a command"}
+RESERVED = {
+    "unknown": Sentence("check.word_for_nobody", "it is the word for a visitor without a name"),
+    "sensor": Sentence("check.is_a_command", "it is a command"),
+}
 #: Joiners that Persian and Indic names need; they make no difference between names.
 _JOINERS = "\u200c\u200d"
 #: Categories that are never seen, or that turn the text around them.
@@ -20,7 +26,7 @@ class VisitorNameError(ValueError):
     """This cannot be a name; `reason` says why, `remedy` what to do."""
 
     def __init__(self, reason: str, remedy: str) -> None:
-        super().__init__(f"{reason}; {remedy}")
+        super().__init__(with_remedy(reason, remedy))
         self.reason = reason
         self.remedy = remedy
 
@@ -32,16 +38,30 @@ def name_of(text: str) -> str:
     """
     name = _tidy(text)
     if not name:
-        raise VisitorNameError("a visitor's name is empty", "give a code or a name")
-    _check(name, "a visitor's name", LONGEST)
+        raise VisitorNameError(
+            Sentence("check.visitor_name_empty", "a visitor's name is empty"),
+            Sentence("check.give_name", "give a code or a name"),
+        )
+    _check(name, Sentence("check.a_visitors_name", "a visitor's name"), LONGEST)
     if not any(character.isalnum() for character in name):
         raise VisitorNameError(
-            f"{quoted_name(name)} has no letters and no digits", "give a code or a name"
+            Sentence(
+                "check.name_without_letters",
+                "{name} has no letters and no digits",
+                name=quoted_name(name),
+            ),
+            Sentence("check.give_name", "give a code or a name"),
         )
     reason = RESERVED.get(key_of(name))
     if reason is not None:
         raise VisitorNameError(
-            f"{quoted_name(name)} cannot be a name: {reason}", "choose another name"
+            Sentence(
+                "check.no_name",
+                "{name} cannot be a name: {reason}",
+                name=quoted_name(name),
+                reason=reason,
+            ),
+            Sentence("check.another_name", "choose another name"),
         )
     return name
 
@@ -57,8 +77,11 @@ def label_of(text: str) -> str:
     """A recogniser's name of a face, tidied like a name; `VisitorNameError` if it is empty."""
     label = _tidy(text)
     if not label:
-        raise VisitorNameError("a face's label is empty", "give the text that the recogniser sends")
-    _check(label, "a face's label", LONGEST)
+        raise VisitorNameError(
+            Sentence("check.face_label_empty", "a face's label is empty"),
+            Sentence("check.give_face_label", "give the text that the recogniser sends"),
+        )
+    _check(label, Sentence("check.a_faces_label", "a face's label"), LONGEST)
     return label
 
 
@@ -92,11 +115,23 @@ def _tidy(text: str) -> str:
 def _check(text: str, what: str, longest: int) -> None:
     if len(text) > longest:
         raise VisitorNameError(
-            f"{what} has {len(text)} characters, {longest} are allowed", "shorten it"
+            Sentence(
+                "check.too_long",
+                "{what} has {number} characters, {longest} are allowed",
+                what=what,
+                number=len(text),
+                longest=longest,
+            ),
+            Sentence("check.shorten", "shorten it"),
         )
     for character in text:
         if character not in _JOINERS and unicodedata.category(character) in _UNSEEN:
             raise VisitorNameError(
-                f"{what} holds the character U+{ord(character):04X}, which is invisible",
-                "type it again",
+                Sentence(
+                    "check.unseen_character",
+                    "{what} holds the character U+{character:04X}, which is invisible",
+                    what=what,
+                    character=ord(character),
+                ),
+                Sentence("check.type_again", "type it again"),
             )

@@ -13,9 +13,10 @@ from pathlib import Path
 
 from woz_tui.config.file_position import FilePosition
 from woz_tui.config.file_text import SourceFile, SourceFileError, read_source
-from woz_tui.config.problems import MAX_KEYS_LISTED, ProblemReport, join, quoted
+from woz_tui.config.problems import MAX_KEYS_LISTED, ProblemReport, did_you_mean, join, quoted
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode, described, parse_yaml
 from woz_tui.drivers.fields import Range
+from woz_tui.protocol.sentence import Sentence
 
 _NUMBER = re.compile(r"[-+]?(\d{1,30}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,3})?")
 _WHOLE = re.compile(r"[-+]?\d{1,18}")
@@ -26,7 +27,20 @@ _FLAGS = {
     **dict.fromkeys(("false", "no", "off"), False),
 }
 #: What may be behind a list or a mapping where a text should be.
-TEXT_WITH_BRACKET = "; if a text begins with a bracket, put the text in quotes"
+TEXT_WITH_BRACKET = Sentence(
+    "check.text_with_bracket", "; if a text begins with a bracket, put the text in quotes"
+)
+
+
+def expectation(expected: str, found: str, near: str = "") -> Sentence:
+    """`expected text, not a list`, and what may be behind it."""
+    return Sentence(
+        "check.expected",
+        "expected {expected}, not {found}{near}",
+        expected=expected,
+        found=found,
+        near=near,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +61,8 @@ class Cursor:
         self.report.warning(self.place, self.path, message)
 
     def wrong(self, expected: str) -> None:
-        """`expected text, not a list`."""
-        self.error(f"expected {expected}, not {described(self.node)}")
+        """Something else is expected here."""
+        self.error(expectation(expected, described(self.node)))
 
     def at(self, name: str, node: Node, place: FilePosition) -> Cursor:
         """The entry `name` of this mapping."""
@@ -110,14 +124,20 @@ class Cursor:
         parent, _, name = self.path.rpartition(".")
         empty = isinstance(self.node, ScalarNode) and self.node.is_empty
         if empty and any(map(str.isalpha, name)):  # `{participant}`, `{say: Hi, you}`
-            self.report.explain(self.place, "if this belongs to a text, put the text in quotes")
-        near = self.report.nearest(name, words)
-        if near is None:
+            self.report.explain(
+                self.place,
+                Sentence(
+                    "check.if_part_of_text", "if this belongs to a text, put the text in quotes"
+                ),
+            )
+        meant = self.report.nearest(name, words)
+        if meant is None:
             named = words if listing is None else listing
-            self.error(f"unknown{self.report.choices(what, named, MAX_KEYS_LISTED)}")
+            near = self.report.choices(what, named, MAX_KEYS_LISTED)
+            self.error(Sentence("check.unknown", "unknown{near}", near=near))
             return
-        self.report.misspelt(self.place.file, join(parent, near))
-        self.error(f"unknown; did you mean {near!r}?")
+        self.report.misspelt(self.place.file, join(parent, meant))
+        self.error(Sentence("check.unknown", "unknown{near}", near=did_you_mean(meant)))
 
 
 def read_text(cursor: Cursor, expected: str = "text") -> str | None:
@@ -127,10 +147,10 @@ def read_text(cursor: Cursor, expected: str = "text") -> str | None:
         quotes = (
             TEXT_WITH_BRACKET if bracket and cursor.node.place.line == cursor.place.line else ""
         )
-        cursor.error(f"expected {expected}, not {described(cursor.node)}{quotes}")
+        cursor.error(expectation(expected, described(cursor.node), quotes))
         return None
     if "\0" in cursor.node.text:
-        cursor.error("text cannot contain a NUL character")
+        cursor.error(Sentence("check.nul", "text cannot contain a NUL character"))
         return None
     return cursor.node.text
 
@@ -139,7 +159,7 @@ def read_filled(cursor: Cursor | None) -> str | None:
     """Text that is more than blanks, if it is there; blanks are reported, and come back."""
     text = read_text(cursor) if cursor is not None else None
     if cursor is not None and text is not None and not text.strip():
-        cursor.error("is empty")
+        cursor.error(Sentence("check.empty", "is empty"))
     return text
 
 
@@ -161,21 +181,37 @@ def check_different(
         if name and name in first:
             table = dict(entry.entries())
             next((table[key] for key in keys if key in table), entry).error(
-                f"{quoted(name)} is already the {keys[0]} of {what} (line {first[name]});"
-                f" give one of them another {keys[0]}: ..."
+                Sentence(
+                    "check.name_taken",
+                    "{name} is already the {key} of {what} (line {line}); give one of"
+                    " them another {key}: ...",
+                    name=quoted(name),
+                    key=keys[0],
+                    what=what,
+                    line=first[name],
+                )
             )
         first.setdefault(name, entry.place.line)
+
+
+def one_of_words(words: Iterable[str]) -> Sentence:
+    """`one of a, b, c`."""
+    return Sentence("check.one_of", "one of {words}", words=", ".join(words))
 
 
 def read_word(cursor: Cursor, choices: Iterable[str]) -> str | None:
     """One of `choices`."""
     words = tuple(choices)
-    listed = f"one of {', '.join(words)}"
-    text = read_text(cursor, listed if len(listed) < 120 else "one of the known words")
+    listed = one_of_words(words)
+    text = read_text(
+        cursor,
+        listed if len(listed) < 120 else Sentence("check.known_words", "one of the known words"),
+    )
     if text is None or text in words:
         return text
+    near = cursor.report.hint(text, words, or_list=Sentence("check.it_can_be", "it can be"))
     cursor.error(
-        f"{quoted(text)} is not known{cursor.report.hint(text, words, or_list='it can be')}"
+        Sentence("check.not_known", "{text} is not known{near}", text=quoted(text), near=near)
     )
     return None
 
@@ -185,19 +221,32 @@ def read_flag(cursor: Cursor) -> bool | None:
     node = cursor.node
     if isinstance(node, ScalarNode) and (flag := _FLAGS.get(node.text.lower())) is not None:
         return flag
-    cursor.wrong("true or false")
+    cursor.wrong(Sentence("check.true_or_false", "true or false"))
     return None
 
 
 def read_number(cursor: Cursor, allowed: Range | None = None) -> float | None:
     """A finite number inside `allowed`."""
     text = cursor.node.text if isinstance(cursor.node, ScalarNode) else ""
-    expected = "a number" + (f" ({allowed})" if allowed is not None else "")
+    expected = number_in(allowed or Range())
     if not _NUMBER.fullmatch(text):
         if _NUMBER.fullmatch(text.replace(",", ".", 1)):
-            cursor.error(f"write {text.replace(',', '.', 1)!r}: the decimal sign is a point")
+            cursor.error(
+                Sentence(
+                    "check.decimal_point",
+                    "write {number!r}: the decimal sign is a point",
+                    number=text.replace(",", ".", 1),
+                )
+            )
         elif (number := _NUMBER.match(text)) and number.group():
-            cursor.error(f"expected {expected} alone, not {quoted(text)}")
+            cursor.error(
+                Sentence(
+                    "check.number_alone",
+                    "expected {expected} alone, not {text}",
+                    expected=expected,
+                    text=quoted(text),
+                )
+            )
         else:
             cursor.wrong(expected)
         return None
@@ -208,7 +257,13 @@ def read_whole(cursor: Cursor, allowed: Range | None = None) -> int | None:
     """A whole number inside `allowed`."""
     text = cursor.node.text if isinstance(cursor.node, ScalarNode) else ""
     if not _WHOLE.fullmatch(text):
-        cursor.wrong("a whole number" + (f" ({allowed})" if allowed is not None else ""))
+        cursor.wrong(
+            Sentence("check.a_whole_number", "a whole number")
+            if allowed is None
+            else Sentence(
+                "check.whole_number_in", "a whole number ({allowed})", allowed=range_text(allowed)
+            )
+        )
         return None
     return None if _inside(cursor, int(text), text, allowed) is None else int(text)
 
@@ -219,17 +274,50 @@ def read_seconds(cursor: Cursor, allowed: Range) -> float | None:
     match = _SECONDS.fullmatch(text)
     factor = _UNITS.get(match["unit"]) if match else None
     if match is None or factor is None:
-        cursor.wrong("a duration (a number of seconds, or 250 ms, 2 s, 10 min, 1 h)")
+        cursor.wrong(
+            Sentence(
+                "check.duration", "a duration (a number of seconds, or 250 ms, 2 s, 10 min, 1 h)"
+            )
+        )
         return None
     return _inside(cursor, float(match["number"]) * factor, text, allowed)
 
 
+def range_text(allowed: Range) -> str:
+    """`0 to 5 m`."""
+    low, high, unit = allowed.low, allowed.high, f" {allowed.unit}" if allowed.unit else ""
+    if low is not None and high is not None:
+        return Sentence("check.range", "{low:g} to {high:g}{unit}", low=low, high=high, unit=unit)
+    if low is not None:
+        return Sentence("check.or_more", "{low:g}{unit} or more", low=low, unit=unit)
+    if high is not None:
+        return Sentence("check.or_less", "{high:g}{unit} or less", high=high, unit=unit)
+    return Sentence("check.any_number", "any number{unit}", unit=unit)
+
+
+def number_in(allowed: Range) -> Sentence:
+    """`a number (0 to 5 m)`."""
+    if allowed == Range():
+        return Sentence("check.a_number", "a number")
+    return Sentence("check.number_in", "a number ({allowed})", allowed=range_text(allowed))
+
+
+def out_of_range(text: str, allowed: Range) -> Sentence:
+    """`7 is out of range; allowed is 0 to 5 m`."""
+    return Sentence(
+        "check.out_of_range",
+        "{text} is out of range; allowed is {allowed}",
+        text=text,
+        allowed=range_text(allowed),
+    )
+
+
 def _inside(cursor: Cursor, number: float, text: str, allowed: Range | None) -> float | None:
     if abs(number) == float("inf"):
-        cursor.error(f"{text} is too large")
+        cursor.error(Sentence("check.too_large", "{text} is too large", text=text))
         return None
     if allowed is not None and not allowed.contains(number):
-        cursor.error(f"{text} is out of range; allowed is {allowed}")
+        cursor.error(out_of_range(text, allowed))
         return None
     return number
 
@@ -238,9 +326,14 @@ def missing(table: Mapping[str, Cursor], name: str, parent: Cursor, why: str = "
     """The entry `name`, or None after saying that it is missing."""
     cursor = table.get(name)
     if cursor is None:
-        because = f" ({why})" if why else ""
+        because = Sentence("check.in_brackets", " ({text})", text=why) if why else ""
         path = join(parent.path, name)
-        parent.report.missing(parent.place, path, f"is missing{because}", path)
+        parent.report.missing(
+            parent.place,
+            path,
+            Sentence("check.missing", "is missing{because}", because=because),
+            path,
+        )
     return cursor
 
 
@@ -253,8 +346,8 @@ def document(source: SourceFile, report: ProblemReport, expected: str) -> Cursor
     if isinstance(node, MappingNode):
         return Cursor(node, "", start, report)
     if len(report.errors) == broken:
-        found = "nothing" if node is None else described(node)
-        report.error(start, "file", f"expected {expected}, not {found}")
+        found = Sentence("check.found_nothing", "nothing") if node is None else described(node)
+        report.error(start, "file", expectation(expected, found))
     return None
 
 
@@ -281,10 +374,22 @@ def named_source(
         return read_source(path, str(path))
     except SourceFileError as error:
         if (error.line, error.column) == (1, 1):
-            cursor.error(f"{quoted(text)}: {error.message}{meant()}")
+            cursor.error(
+                Sentence(
+                    "check.named_file",
+                    "{file}: {why}{near}",
+                    file=quoted(text),
+                    why=error.message,
+                    near=meant(),
+                )
+            )
         else:
             place = FilePosition(str(path), error.line, error.column)
             cursor.report.error(place, "file", error.message)
     except (RuntimeError, ValueError) as error:  # expanduser without a home, a NUL
-        cursor.error(f"{quoted(text)}: {error}")
+        cursor.error(
+            Sentence(
+                "check.named_file", "{file}: {why}{near}", file=quoted(text), why=error, near=""
+            )
+        )
     return None

@@ -15,11 +15,14 @@ import yaml
 
 from woz_tui.config.file_position import FilePosition
 from woz_tui.config.file_text import SourceFile
-from woz_tui.config.problems import ProblemReport, join, quoted
+from woz_tui.config.problems import ProblemReport, join, quoted, with_remedy
+from woz_tui.protocol.sentence import Sentence
 
 #: Lists and mappings inside each other; a real file needs eight.
 MAX_DEPTH = 40
-_TOO_DEEP = f"more than {MAX_DEPTH} lists and mappings inside each other"
+_TOO_DEEP = Sentence(
+    "check.too_deep", "more than {most} lists and mappings inside each other", most=MAX_DEPTH
+)
 #: Scalars, lists and mappings, counted as often as aliases repeat them.
 MAX_NODES = 30_000
 
@@ -32,14 +35,19 @@ _HARMLESS = frozenset(
 _CUT = re.compile(r"[ \t]+(#\w.*)")
 #: Quotes that word processors make of straight ones.
 CURLY = frozenset("\u201c\u201d\u201e\u2018\u2019\u201a")
-CURLY_QUOTES = "curly quotes are part of the text; for YAML's quotes write \" or ' (straight ones)"
+CURLY_QUOTES = Sentence(
+    "check.curly_quotes",
+    "curly quotes are part of the text; for YAML's quotes write \" or ' (straight ones)",
+)
 
 
 def comment_instead(cut: str) -> str:
     """The sentence about a comment that looks like a part of the text before it."""
-    return (
-        f"{quoted(cut)} is a comment and no part of the text: put the text in quotes, or a space"
-        " behind the #"
+    return Sentence(
+        "check.comment",
+        "{cut} is a comment and no part of the text: put the text in quotes,"
+        " or a space behind the #",
+        cut=quoted(cut),
     )
 
 
@@ -100,11 +108,13 @@ def described(node: Node) -> str:
     """What a node is, for `expected text, not a list`."""
     match node:
         case ListNode():
-            return "a list"
+            return Sentence("check.a_list", "a list")
         case MappingNode():
-            return "a mapping"
+            return Sentence("check.a_mapping", "a mapping")
         case _:
-            return "nothing" if node.is_empty else quoted(node.text)
+            return (
+                Sentence("check.found_nothing", "nothing") if node.is_empty else quoted(node.text)
+            )
 
 
 def parse_yaml(
@@ -187,7 +197,10 @@ class _Composer:
                 if self._documents > 1:
                     raise _UnreadableYamlError(
                         self._place(event),
-                        "a second document begins here; a file can have only one",
+                        Sentence(
+                            "check.second_document",
+                            "a second document begins here; a file can have only one",
+                        ),
                     )
 
     def _warn_of_odd_text(self, event: yaml.ScalarEvent) -> None:
@@ -252,11 +265,20 @@ class _Composer:
         if event.anchor not in self._anchors:
             raise _UnreadableYamlError(
                 place,
-                f"nothing is called &{event.anchor} here; text that begins with * needs quotes",
+                Sentence(
+                    "check.no_anchor",
+                    "nothing is called &{anchor} here; text that begins with * needs quotes",
+                    anchor=event.anchor,
+                ),
             )
         node = self._anchors[event.anchor]
         if node is None:
-            raise _UnreadableYamlError(place, f"*{event.anchor} contains itself")
+            raise _UnreadableYamlError(
+                place,
+                Sentence(
+                    "check.anchor_in_itself", "*{anchor} contains itself", anchor=event.anchor
+                ),
+            )
         self._add(node)
 
     def _anchor(self, anchor: str | None, node: Node) -> None:
@@ -269,9 +291,7 @@ class _Composer:
             return
         if tag == "!" and scalar is not None and not scalar.plain:
             return
-        self._report.error(
-            place, self._path_of_next() or "YAML", "text that begins with ! needs quotes"
-        )
+        self._report.error(place, self._path_of_next() or "YAML", _needs_quotes("!"))
 
     def _path_of_next(self) -> str:
         if not self._stack:
@@ -300,7 +320,12 @@ class _Composer:
         parent.depth = max(parent.depth, child.depth + 1)
         if parent.size > MAX_NODES:
             raise _UnreadableYamlError(
-                child.place, f"more than {MAX_NODES} entries, aliases counted out"
+                child.place,
+                Sentence(
+                    "check.too_many_entries",
+                    "more than {most} entries, aliases counted out",
+                    most=MAX_NODES,
+                ),
             )
         if parent.depth > MAX_DEPTH:
             raise _UnreadableYamlError(child.place, _TOO_DEEP)
@@ -312,7 +337,11 @@ class _Composer:
         self._report.error(
             node.place,
             top.path or "YAML",
-            f"expected a name before the colon, not {described(node)}",
+            Sentence(
+                "check.name_before_colon",
+                "expected a name before the colon, not {found}",
+                found=described(node),
+            ),
         )
         top.dropped = True
 
@@ -330,12 +359,20 @@ class _Composer:
                     self._report.error(
                         base.place,
                         join(top.path, "<<"),
-                        "only a mapping can be merged in: <<: *name",
+                        Sentence(
+                            "check.only_mappings_merge",
+                            "only a mapping can be merged in: <<: *name",
+                        ),
                     )
             return
         first = table.keys.get(key.text)
         if first is not None:
-            twice = f"{quoted(key.text)} appears twice (first in line {first.place.line})"
+            twice = Sentence(
+                "check.twice_since_line",
+                "{name} appears twice (first in line {line})",
+                name=quoted(key.text),
+                line=first.place.line,
+            )
             say = self._report.warning if self._last_wins else self._report.error
             say(key.place, join(top.path, key.text), twice)
         if first is None or self._last_wins:
@@ -346,26 +383,68 @@ class _Composer:
 # -- what the parser says --------------------------------------------------------------------------
 
 
+def _needs_quotes(sign: str) -> Sentence:
+    return Sentence("check.needs_quotes", "text that begins with {sign} needs quotes", sign=sign)
+
+
 #: (part of the parser's sentence, ours). First match wins.
 _EXPLANATIONS = (
-    ("tab character that violates", "a tab character; indent YAML with spaces"),
-    ("alphabetic or numeric", "text that begins with * or & needs quotes"),
-    ("mapping values are not allowed", "text with a colon in it: put the text in quotes"),
-    ("could not find expected ':'", "a colon is missing after a name, or a quote is not closed"),
-    ("block sequence entries", "a dash cannot be here; is the line above complete?"),
-    ("expected '-' indicator", "a '-' is missing here; check the indentation"),
-    ("expected ',' or ']'", "a ',' or the closing ] is missing"),
-    ("expected ',' or '}'", "a ',' or the closing } is missing"),
-    ("unexpected end of stream", "these quotes are never closed"),
-    ("escape character", "unknown escape after \\ in double quotes; use single quotes"),
-    ("hexdecimal", "unknown escape after \\ in double quotes; use single quotes"),
-    ("expected node content", "a value is missing here, or text that needs quotes"),
-    ("<document start>", "this is outside of the file's mapping; check the indentation"),
-    ("expected key", "this does not fit: check the indentation and the quotes"),
-    ("tag", "text that begins with ! needs quotes"),
-    ("URI", "text that begins with ! needs quotes"),
-    ("directive", "text that begins with % needs quotes"),
-    ("comment or line break", "text that begins with > or | needs quotes"),
+    (
+        "tab character that violates",
+        Sentence("check.tab", "a tab character; indent YAML with spaces"),
+    ),
+    ("alphabetic or numeric", _needs_quotes("* or &")),
+    (
+        "mapping values are not allowed",
+        Sentence("check.colon_in_text", "text with a colon in it: put the text in quotes"),
+    ),
+    (
+        "could not find expected ':'",
+        Sentence(
+            "check.colon_missing", "a colon is missing after a name, or a quote is not closed"
+        ),
+    ),
+    (
+        "block sequence entries",
+        Sentence("check.dash", "a dash cannot be here; is the line above complete?"),
+    ),
+    (
+        "expected '-' indicator",
+        Sentence("check.dash_missing", "a '-' is missing here; check the indentation"),
+    ),
+    ("expected ',' or ']'", Sentence("check.list_not_closed", "a ',' or the closing ] is missing")),
+    (
+        "expected ',' or '}'",
+        Sentence("check.mapping_not_closed", "a ',' or the closing }} is missing"),
+    ),
+    (
+        "unexpected end of stream",
+        Sentence("check.quotes_not_closed", "these quotes are never closed"),
+    ),
+    (
+        "escape character",
+        Sentence("check.escape", "unknown escape after \\ in double quotes; use single quotes"),
+    ),
+    (
+        "hexdecimal",
+        Sentence("check.escape", "unknown escape after \\ in double quotes; use single quotes"),
+    ),
+    (
+        "expected node content",
+        Sentence("check.value_or_quotes", "a value is missing here, or text that needs quotes"),
+    ),
+    (
+        "<document start>",
+        Sentence("check.outside", "this is outside of the file's mapping; check the indentation"),
+    ),
+    (
+        "expected key",
+        Sentence("check.does_not_fit", "this does not fit: check the indentation and the quotes"),
+    ),
+    ("tag", _needs_quotes("!")),
+    ("URI", _needs_quotes("!")),
+    ("directive", _needs_quotes("%")),
+    ("comment or line break", _needs_quotes("> or |")),
 )
 
 
@@ -385,7 +464,11 @@ def explain_yaml_error(error: yaml.YAMLError, text: str) -> tuple[int, int, str]
     closing = lines[mark.line : mark.line + 1]
     found = closing[0][mark.column : mark.column + 1] if closing else ""
     if found and found in "}]" and "',' or '" not in said:
-        message = f"one {found} too many, or the bracket that opens it is missing"
+        message = Sentence(
+            "check.bracket_too_many",
+            "one {found} too many, or the bracket that opens it is missing",
+            found=found,
+        )
         begun = None  # of what surrounds it, which is in order
     if "start any token" in said:
         message = _explain_character(text, mark.line, mark.column)
@@ -394,11 +477,18 @@ def explain_yaml_error(error: yaml.YAMLError, text: str) -> tuple[int, int, str]
     if begun is not None and "',' or '" in said:
         start = _BRACKET.match(lines[begun.line])
         if start is not None and ":" not in start["value"]:
-            message += f"; if {start['key']!r} is a text, put the text in quotes"
+            quotes = Sentence(
+                "check.if_it_is_text",
+                "if {key!r} is a text, put the text in quotes",
+                key=start["key"],
+            )
+            message = with_remedy(message, quotes)
     if begun is not None and "',' or '" in said and (cut := _CUT.search(lines[begun.line])):
-        message += f"; {comment_instead(cut[1])}"
+        message = with_remedy(message, comment_instead(cut[1]))
     if begun is not None and begun.line < mark.line:
-        message += f" (begun in line {begun.line + 1})"
+        message = Sentence(
+            "check.begun", "{message} (begun in line {line})", message=message, line=begun.line + 1
+        )
     return mark.line + 1, mark.column + 1, message
 
 
@@ -415,12 +505,23 @@ def _explain_unquoted(line: str, column: int, said: str) -> str:
     closes = line[column : column + 1] in ("}", "]")
     if bracket and column > bracket.start("value") and "',' or '" not in said and not closes:
         first = bracket["value"][0]
-        return f"no text can begin with {first}: put the text in quotes"
+        return Sentence(
+            "check.text_begins_with",
+            "no text can begin with {first}: put the text in quotes",
+            first=first,
+        )
     if _QUOTED.match(line) is not None:
-        return "the text goes on behind its quotes: put the text in quotes as a whole"
+        return Sentence(
+            "check.behind_quotes",
+            "the text goes on behind its quotes: put the text in quotes as a whole",
+        )
     word = _WORD.search(line[:column].rstrip())
     if "',' or '}'" in said and line[column : column + 1] == ":" and word is not None:
-        return f"a comma is missing before {word[0]!r}, or put the text in quotes"
+        return Sentence(
+            "check.comma_missing",
+            "a comma is missing before {word!r}, or put the text in quotes",
+            word=word[0],
+        )
     return ""
 
 
@@ -429,5 +530,5 @@ def _explain_character(text: str, line: int, column: int) -> str:
     lines = text.splitlines()
     found = lines[line][column : column + 1] if line < len(lines) else ""
     if found == "\t":
-        return "a tab character; indent YAML with spaces"
-    return f"text that begins with {found or 'this character'} needs quotes"
+        return Sentence("check.tab", "a tab character; indent YAML with spaces")
+    return _needs_quotes(found or Sentence("check.this_character", "this character"))

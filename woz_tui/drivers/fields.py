@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from woz_tui.protocol.sentence import Sentence
+
 
 class Section:
     """Base of a settings dataclass with rules beyond what the type of each setting says."""
@@ -41,7 +43,7 @@ class Entry:
     """
 
     __slots__ = ()
-    what: ClassVar[str] = "a section"
+    what: ClassVar[str] = Sentence("check.a_section", "a section")
     example: ClassVar[str] = ""
     either: ClassVar[tuple[str, ...]] = ()
 
@@ -89,14 +91,14 @@ class Unique:
 class NotEmpty:
     """A list with at least one entry; `message` reports one without."""
 
-    message: str = "a value is missing here"
+    message: str = Sentence("check.value_missing", "a value is missing here")
 
 
 @dataclass(frozen=True, slots=True)
 class OneOrMore:
     """A list of texts, where a single one can stand without brackets; `of` says what each is."""
 
-    of: str = "text"
+    of: str = Sentence("check.a_text", "text")
 
 
 @dataclass(frozen=True, slots=True)

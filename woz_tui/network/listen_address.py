@@ -5,6 +5,8 @@ from __future__ import annotations
 import ipaddress
 from dataclasses import dataclass
 
+from woz_tui.protocol.sentence import Sentence
+
 #: Where a session listens for the computers of its drivers, unless the robot file says otherwise.
 DRIVERS_LISTEN = "0.0.0.0:7447"
 
@@ -31,14 +33,27 @@ class ListenAddress:
             colon and port.isascii() and port.isdigit()
         ):
             raise ValueError(
-                f"{text!r} is no address; for example 0.0.0.0:8765 or robot.local:8765"
+                Sentence(
+                    "check.no_address",
+                    "{text!r} is no address; for example 0.0.0.0:8765 or robot.local:8765",
+                    text=text,
+                )
             )
         if int(port) > 0xFFFF:
-            raise ValueError(f"{text!r}: ports go up to {0xFFFF}")
+            raise ValueError(
+                Sentence(
+                    "check.port_range", "{text!r}: ports go up to {most}", text=text, most=0xFFFF
+                )
+            )
         if scheme in ("ws", "tcp") and not is_loopback(host):
             raise ValueError(
-                f"{text!r} would let the whole network in without certificates: without"
-                f" `{scheme}://` the connection is encrypted, and each name has its certificate"
+                Sentence(
+                    "check.plain_network",
+                    "{text!r} would let the whole network in without certificates: without"
+                    " `{scheme}://` the connection is encrypted, and each name has its certificate",
+                    text=text,
+                    scheme=scheme,
+                )
             )
         return cls(host, int(port), scheme in ("ws", "tcp"))
 

@@ -18,7 +18,8 @@ from pathlib import Path
 import msgspec
 
 from woz_tui.config.keys.keyboard_layouts import KeyboardLayout, layout_of
-from woz_tui.config.problems import hint, quoted
+from woz_tui.config.problems import hint, quoted, together
+from woz_tui.protocol.sentence import Sentence
 
 FUNCTION_KEYS = tuple(f"f{number}" for number in range(1, 13))
 #: Of foot pedals and macro pads: no keyboard has them.
@@ -88,7 +89,13 @@ def normal_key(written: object, layout: str = "us") -> str:
         )
     if isinstance(written, Sequence):
         return str(_typed(_held_together([str(part) for part in written]), keyboard))
-    raise KeyNameError(f"a key is text such as a, F1 or ctrl+a, not {type(written).__name__}")
+    raise KeyNameError(
+        Sentence(
+            "check.key_is_text",
+            "a key is text such as a, F1 or ctrl+a, not {kind}",
+            kind=type(written).__name__,
+        )
+    )
 
 
 def parse_chord(chord: str) -> Chord:
@@ -108,13 +115,25 @@ def _one_after_the_other(text: str) -> list[str]:
     if "_".join(parts).lower() in _NAMES:
         return ["_".join(parts)]
     if not parts:
-        raise KeyNameError("a key is missing here")
+        raise KeyNameError(Sentence("check.key_missing", "a key is missing here"))
     if len(parts) > 2:
         raise KeyNameError(
-            f"{quoted(text)} has {len(parts)} keys; at most two keys can follow each other"
+            Sentence(
+                "check.too_many_keys",
+                "{text} has {number} keys; at most two keys can follow each other",
+                text=quoted(text),
+                number=len(parts),
+            )
         )
     if len(parts) == 2 and parts[0].lower() in _MODIFIERS:
-        raise KeyNameError(f"{quoted(text)}: for keys held down together, write {'+'.join(parts)}")
+        raise KeyNameError(
+            Sentence(
+                "check.keys_together",
+                "{text}: for keys held down together, write {names}",
+                text=quoted(text),
+                names="+".join(parts),
+            )
+        )
     return parts
 
 
@@ -125,10 +144,17 @@ def _held_together(parts: list[str]) -> Chord:
     keys = [part for part in parts if part.strip().lower() not in _MODIFIERS]
     if len(keys) != 1:
         if not keys:
-            raise KeyNameError("a list of modifiers without a key")
+            raise KeyNameError(
+                Sentence("check.modifiers_alone", "a list of modifiers without a key")
+            )
         raise KeyNameError(
-            f"no terminal can send {' and '.join(keys[:3])} held down together;"
-            f" for one after the other, write {quoted(' '.join(keys[:2]))}"
+            Sentence(
+                "check.never_together",
+                "no terminal can send {names} held down together; for one after the"
+                " other, write {keys}",
+                names=together(keys[:3]),
+                keys=quoted(" ".join(keys[:2])),
+            )
         )
     (key,) = keys if keys[0] == " " else [keys[0].strip()]
     chord = _chord("space" if key == " " else key)
@@ -151,7 +177,13 @@ def _chord(text: str) -> Chord:
         held.append(word or short)
         text = match["rest"] or match["tail"]
     if text.lower() in _MODIFIERS or not text:
-        raise KeyNameError(f"{quoted(whole)} is not a key by itself; write it like ctrl+a")
+        raise KeyNameError(
+            Sentence(
+                "check.modifier_alone",
+                "{key} is not a key by itself; write it like ctrl+a",
+                key=quoted(whole),
+            )
+        )
     chord = _key_alone(text, whole)
     for modifier in held:
         chord = _hold(chord, modifier)
@@ -161,7 +193,13 @@ def _chord(text: str) -> Chord:
 def _hold(chord: Chord, modifier: str) -> Chord:
     name = _MODIFIERS[modifier]
     if not name:
-        raise KeyNameError(f"{modifier} never reaches a terminal; the desktop uses it")
+        raise KeyNameError(
+            Sentence(
+                "check.desktop_key",
+                "{modifier} never reaches a terminal; the desktop uses it",
+                modifier=modifier,
+            )
+        )
     return Chord(
         chord.base,
         chord.ctrl or name == "ctrl",
@@ -173,7 +211,11 @@ def _hold(chord: Chord, modifier: str) -> Chord:
 def _key_alone(text: str, whole: str) -> Chord:
     if len(text) == 1:
         if not text.isprintable() or text.isspace() or unicodedata.combining(text):
-            raise KeyNameError(f"{quoted(whole)} is not a key that can be pressed")
+            raise KeyNameError(
+                Sentence(
+                    "check.not_pressed", "{key} is not a key that can be pressed", key=quoted(whole)
+                )
+            )
         return Chord(text)
     name = _NAMES.get(text.lower()) or _unicode_named(text)
     if name == "shift+tab":
@@ -181,13 +223,24 @@ def _key_alone(text: str, whole: str) -> Chord:
     if name is not None:
         return Chord(name)
     if re.fullmatch(r"[fF]\d+", text):
-        raise KeyNameError(f"{quoted(whole)}: function keys are F1 to F24")
+        raise KeyNameError(
+            Sentence("check.function_keys", "{key}: function keys are F1 to F24", key=quoted(whole))
+        )
     if re.fullmatch(r".[+-].", text):
         raise KeyNameError(
-            f"{quoted(whole)}: no terminal can send two keys held down together;"
-            f" for one after the other, write {quoted(text[0] + ' ' + text[2])}"
+            Sentence(
+                "check.never_together_key",
+                "{key}: no terminal can send two keys held down together; for one"
+                " after the other, write {keys}",
+                key=quoted(whole),
+                keys=quoted(text[0] + " " + text[2]),
+            )
         )
-    raise KeyNameError(f"{quoted(whole)} is not a key{hint(text, _NAMES)}")
+    raise KeyNameError(
+        Sentence(
+            "check.no_key", "{key} is not a key{near}", key=quoted(whole), near=hint(text, _NAMES)
+        )
+    )
 
 
 def _unicode_named(text: str) -> str | None:

@@ -171,8 +171,14 @@ class _Assignment:
                 continue
             if chord in wanted and homes.get(item.id, chord) != chord:
                 self._warnings.append(
-                    f"the keymap puts {item.description!r} on {chord}, which the experiment uses;"
-                    f" it stays on {homes[item.id]}"
+                    Sentence(
+                        "check.keymap_moves",
+                        "the keymap puts {description!r} on {chord}, which the experiment"
+                        " uses; it stays on {home}",
+                        description=item.description,
+                        chord=chord,
+                        home=homes[item.id],
+                    )
                 )
                 chord = homes[item.id]
             if item.yields and chord in begun:
@@ -210,7 +216,15 @@ class _Assignment:
         )
 
     def _no_key(self, owner: str, given: AssignedKey) -> None:
-        self._warnings.append(f"no key is left for {owner!r} ({given.wanted}: {given.why})")
+        self._warnings.append(
+            Sentence(
+                "check.no_key_left",
+                "no key is left for {owner!r} ({wanted}: {why})",
+                owner=owner,
+                wanted=given.wanted,
+                why=given.why,
+            )
+        )
 
     def _free(self, found: KeyDelivery) -> bool:
         return found.verdict is KeyOutcome.ARRIVES and not self._taken(found.arrives)
@@ -305,26 +319,55 @@ class FileKeys:
         """Why no action can have this key; empty: one can."""
         first, _, second = key.partition(" ")
         if is_stop(key, self._layout):
-            where = "" if {first, second} & set(STOPS) else " on some terminals"
-            return f"{key!r} means stop{where}"
+            where = (
+                ""
+                if {first, second} & set(STOPS)
+                else Sentence("check.on_some_terminals", " on some terminals")
+            )
+            return Sentence("check.means_stop", "{key!r} means stop{where}", key=key, where=where)
         own = self._builtin.get(first)
-        return "" if own is None else f"{first!r} is the console's own key ({own})"
+        return (
+            ""
+            if own is None
+            else Sentence(
+                "check.console_key",
+                "{first!r} is the console's own key ({own})",
+                first=first,
+                own=own,
+            )
+        )
 
     def taken(self, key: str) -> str:
         """Whose key it is already, in words; empty: nobody's."""
         first, _, second = key.partition(" ")
         if key in self._played:
-            return f"{key!r} already plays {self._played[key]}"
+            return Sentence(
+                "check.key_plays", "{key!r} already plays {who}", key=key, who=self._played[key]
+            )
         if second and first in self._played:
-            return f"{key!r} can never be completed: {first!r} plays {self._played[first]}"
+            return Sentence(
+                "check.key_never_complete",
+                "{key!r} can never be completed: {first!r} plays {who}",
+                key=key,
+                first=first,
+                who=self._played[first],
+            )
         if not second and key in self._begun:
             whole, who = self._begun[key]
-            return f"{key!r} begins {whole!r}, which plays {who}"
+            return Sentence(
+                "check.key_begins",
+                "{key!r} begins {whole!r}, which plays {who}",
+                key=key,
+                whole=whole,
+                who=who,
+            )
         return ""
 
     def take(self, key: str, label: str, place: FilePosition) -> None:
         """This action has it."""
-        who = f"{quoted(label)} (line {place.line})"
+        who = Sentence(
+            "check.label_and_line", "{label} (line {line})", label=quoted(label), line=place.line
+        )
         self._played[key] = who
         first, _, second = key.partition(" ")
         if second:

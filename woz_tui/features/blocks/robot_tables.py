@@ -9,6 +9,7 @@ from pathlib import Path
 from woz_tui.bridge.topic_table import named_table
 from woz_tui.config.command_remarks import CommandChecker
 from woz_tui.config.experiment import DriverSpec
+from woz_tui.config.problems import either
 from woz_tui.config.robots import RobotEntries, Robots
 from woz_tui.config.verb_calls import CallReader, Vocabulary
 from woz_tui.config.yaml_cursor import Cursor, read_number
@@ -19,6 +20,7 @@ from woz_tui.features.blocks.behaviour_calls import WORD_VERBS, BehaviourCalls, 
 from woz_tui.features.blocks.bml_block import BmlError
 from woz_tui.features.blocks.kinds import BML
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence
 
 #: Where things are, beside what behaviours stand for.
 TARGETS = "targets"
@@ -64,12 +66,16 @@ def _table(robot: RobotEntries, robots: Robots, folder: Path) -> BmlTable:
     reader = CallReader(Vocabulary(here, {}, (), CommandChecker(folder, {"": {}})))
     calls: dict[str, dict[str, tuple[TableCall, ...]]] = {}
     targets: dict[str, tuple[float, float]] = {}
-    entries = robot.keys[BML].fields(FIELDS, "bml has", "a mapping such as {head: {NOD: nod}}")
+    entries = robot.keys[BML].fields(
+        FIELDS,
+        Sentence("blocks.bml_has", "bml has"),
+        Sentence("blocks.tables", "a mapping such as {{head: {{NOD: nod}}}}"),
+    )
     for kind, entry in (entries or {}).items():
         if kind == TOPICS:
             table = replace(table, topics=named_table(entry))
             continue
-        rows = entry.table("a mapping such as {NOD: nod}") or {}
+        rows = entry.table(Sentence("blocks.table", "a mapping such as {{NOD: nod}}")) or {}
         for name, row in rows.items():
             if kind != TARGETS:
                 calls.setdefault(kind, {})[name] = _calls(row, kind, here, reader)
@@ -85,11 +91,17 @@ def _calls(row: Cursor, kind: str, robots: Robots, reader: CallReader) -> tuple[
         verb = _verb_of(node.text, kind, robots)
         if not verb:
             if not robots.incomplete:
-                verbs = " or ".join(WORD_VERBS[kind])
-                row.error(f"this robot has no {verbs}; name another verb, such as {{eyes: green}}")
+                verbs = either(WORD_VERBS[kind])
+                row.error(
+                    Sentence(
+                        "blocks.robot_lacks",
+                        "this robot has no {verbs}; name another verb, such as {{eyes: green}}",
+                        verbs=verbs,
+                    )
+                )
             return ()
         row = replace(row, node=MappingNode(node.place, {verb: node}, {verb: node}))
-    table = row.table("a word, or a verb such as {play: nod}")
+    table = row.table(Sentence("blocks.word_or_verb", "a word, or a verb such as {{play: nod}}"))
     step = None if table is None else reader.read(row, table, table.pop("on", None), ("on",))
     calls = step.calls if step is not None else ()
     return tuple(TableCall(call.verb, call.args, call.driver) for call in calls)
@@ -109,11 +121,13 @@ def _verb_of(word: str, kind: str, robots: Robots) -> str:
 
 def _angles(row: Cursor) -> tuple[float, float] | None:
     """`[60, -5]`."""
-    entries = row.list("yaw and pitch in degrees, such as [60, -5]")
+    entries = row.list(Sentence("blocks.angles", "yaw and pitch in degrees, such as [60, -5]"))
     if entries is None:
         return None
     if len(entries) != 2:
-        row.error("expected yaw and pitch in degrees, such as [60, -5]")
+        row.error(
+            Sentence("blocks.two_angles", "expected yaw and pitch in degrees, such as [60, -5]")
+        )
         return None
     yaw, pitch = (read_number(entry, _ANGLE) for entry in entries)
     return None if yaw is None or pitch is None else (yaw, pitch)

@@ -16,6 +16,7 @@ from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.contract import UNKNOWN, Argument, Finding, Written
 from woz_tui.drivers.fields import Range
 from woz_tui.features.blocks.kinds import BML
+from woz_tui.protocol.sentence import Sentence
 
 if TYPE_CHECKING:  # loaded where a file says something of blocks
     from woz_tui.features.blocks.behaviour_calls import BehaviourCalls, BmlTable
@@ -55,12 +56,12 @@ class BlockSection(FeatureSection[FileBlocks]):
         return BlockReader(around)
 
     def changes(self, old: FileBlocks, new: FileBlocks) -> Iterable[str]:
-        yield from changed_entries("block of BML", old.texts, new.texts)
+        yield from changed_entries(Sentence("reload.a_block", "block of BML"), old.texts, new.texts)
         robots = {**old.tables, **new.tables}
         before, after = (
             {name or "the robot": each.tables.get(name) for name in robots} for each in (old, new)
         )
-        yield from changed_entries("BML table of", before, after)
+        yield from changed_entries(Sentence("reload.a_table", "BML table of"), before, after)
 
     def robot_schema(self) -> Mapping[str, dict[str, Any]]:
         from woz_tui.config.json_schema import TEXT, mapping  # noqa: PLC0415 - only for editors
@@ -101,19 +102,25 @@ class BlockReader(BlockSection):
     def remarks(self, written: Written) -> Iterable[Finding]:
         file, text = written.args.get("file"), written.args.get("block")
         if (file is None) == (text is None):
-            yield Finding("error", "", "needs either a file with a block, or a block itself")
+            needs = Sentence(
+                "blocks.file_or_block", "needs either a file with a block, or a block itself"
+            )
+            yield Finding("error", "", needs)
             return
-        where = ""
+        named = ""
         if isinstance(file, str) and UNKNOWN not in file:
-            where = f"{file}: "
+            named = file
             try:
                 text = self._text_of(file, written.folder)
             except SourceFileError as error:
-                place = f" (line {error.line})" if error.line > 1 else ""
-                yield Finding("error", "file", f"{where}{error.message}{place}")
+                line = Sentence("blocks.in_line", " (line {line})", line=error.line)
+                yield Finding(
+                    "error", "file", _of_file(file, error.message, line if error.line > 1 else "")
+                )
         if isinstance(text, str) and UNKNOWN not in text:
             for level, why in self._problems(text):
-                yield Finding(level, "file" if where else "block", f"{where}{why}")
+                told = _of_file(named, why) if named else why
+                yield Finding(level, "file" if named else "block", told)
 
     def _text_of(self, file: str, folder: Path) -> str | None:
         """None: there is no such file, which is said elsewhere."""
@@ -145,6 +152,10 @@ class BlockReader(BlockSection):
 
         drivers, catalogue = self._around.robots.drivers, self._around.catalogue
         return robot_calls(drivers, self.tables, catalogue, self._around.folder, character)
+
+
+def _of_file(file: str, why: str, place: str = "") -> Sentence:
+    return Sentence("check.named_file", "{file}: {why}{near}", file=file, why=why, near=place)
 
 
 BLOCKS = BlockSection(NoKeys, FileBlocks())

@@ -25,6 +25,7 @@ from woz_tui.config.session_verbs import own_verb
 from woz_tui.config.yaml_cursor import Cursor, check_different
 from woz_tui.drivers.contract import DECIDES, KEPT, Argument
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, NotEmpty, Path, ReadApart
+from woz_tui.protocol.sentence import Sentence
 
 #: In place of a choice's name: what is offered is taken away.
 OFF = "off"
@@ -55,7 +56,7 @@ CHOICE_VERB = own_verb(
 class Option(Entry):
     """A button, with a picture above its words where there is one."""
 
-    what = "an option"
+    what = Sentence("choices.an_option", "an option")
     example = "{text: Red}"
     text: Annotated[str, NotBlank(), Doc("what stands on the button, and in the log")]
     picture: Annotated[
@@ -68,7 +69,7 @@ class Option(Entry):
 class Choice(Entry):
     """What a participant is offered: a question, and a button for each option."""
 
-    what = "a choice"
+    what = Sentence("choices.a_choice", "a choice")
     example = "{name: colour, options: [{text: Red}, {text: Blue}]}"
     name: Annotated[str, NotBlank(), Doc("what actions and logs call it")]
     options: Annotated[tuple[Option, ...], NotEmpty(), Doc("its buttons, twelve at the most")]
@@ -95,17 +96,40 @@ class ChoiceSection(FeatureSection[tuple[Choice, ...]]):
     def read(
         self, table: Mapping[str, Cursor], file: Any, contents: FileContents
     ) -> tuple[Choice, ...]:
-        found = [*read_entries(table.get("choices"), "a list of choices", Choice)]
-        check_different([(entry, choice.name) for entry, choice in found], "a choice", ("name",))
+        found = [
+            *read_entries(
+                table.get("choices"), Sentence("choices.list", "a list of choices"), Choice
+            )
+        ]
+        check_different(
+            [(entry, choice.name) for entry, choice in found],
+            Sentence("choices.a_choice", "a choice"),
+            ("name",),
+        )
         for entry, choice in found:
             keys = dict(entry.entries())
             if choice.name == OFF:
-                keys["name"].error(f"{OFF} takes a choice away; choose another name")
+                keys["name"].error(
+                    Sentence(
+                        "choices.reserved",
+                        "{word} takes a choice away; choose another name",
+                        word=OFF,
+                    )
+                )
             if len(choice.options) > MOST_OPTIONS:
-                keys["options"].error(f"has {len(choice.options)}; {MOST_OPTIONS} are the most")
+                keys["options"].error(
+                    Sentence(
+                        "choices.too_many",
+                        "has {number}; {most} are the most",
+                        number=len(choice.options),
+                        most=MOST_OPTIONS,
+                    )
+                )
             options = [*zip(keys["options"].items(), choice.options, strict=False)]
             check_different(
-                [(each, option.text) for each, option in options], "an option", ("text",)
+                [(each, option.text) for each, option in options],
+                Sentence("choices.an_option", "an option"),
+                ("text",),
             )
             for each, option in options:
                 _check_option(dict(each.entries()), option, contents)
@@ -117,8 +141,15 @@ class ChoiceSection(FeatureSection[tuple[Choice, ...]]):
             for name in _names(call):
                 if name not in (*names, OFF) and "{" not in name:
                     cursor = next(iter(table.values()))
-                    near = cursor.report.hint(name, names, or_list="choices are")
-                    told = f"there is no choice {quoted(name)}{near}"
+                    near = cursor.report.hint(
+                        name, names, or_list=Sentence("choices.choices_are", "choices are")
+                    )
+                    told = Sentence(
+                        "choices.no_such_choice",
+                        "there is no choice {name}{near}",
+                        name=quoted(name),
+                        near=near,
+                    )
                     cursor.report.error(call.place, cursor.path, told)
 
     def called(self, experiment: Experiment, name: str) -> Choice | None:
@@ -127,7 +158,7 @@ class ChoiceSection(FeatureSection[tuple[Choice, ...]]):
 
     def changes(self, old: tuple[Choice, ...], new: tuple[Choice, ...]) -> Iterable[str]:
         before, after = ({each.name: each for each in some} for some in (old, new))
-        return changed_entries("choice", before, after)
+        return changed_entries(Sentence("reload.a_choice", "choice"), before, after)
 
     def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         for choice in self.of(experiment):
@@ -149,9 +180,23 @@ def _check_option(keys: Mapping[str, Cursor], option: Option, contents: FileCont
     file = FilePath(option.picture)
     if option.picture and file.suffix.lower() not in PICTURES:
         known = ", ".join(sorted(PICTURES))
-        keys["picture"].error(f"{file.name} is no picture for a browser; there are {known}")
+        keys["picture"].error(
+            Sentence(
+                "choices.no_picture",
+                "{name} is no picture for a browser; there are {known}",
+                name=file.name,
+                known=known,
+            )
+        )
     elif option.picture and file.is_file() and file.stat().st_size > MOST_BYTES:
-        keys["picture"].error(f"{file.name} has more than {MOST_BYTES // 1_000_000} MB")
+        keys["picture"].error(
+            Sentence(
+                "choices.picture_too_large",
+                "{name} has more than {most} MB",
+                name=file.name,
+                most=MOST_BYTES // 1_000_000,
+            )
+        )
 
 
 def _offering(experiment: Experiment) -> Iterable[Call]:

@@ -16,6 +16,7 @@ from woz_tui.config.study_words import CUES
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.contract import SPEECH
 from woz_tui.drivers.fields import Doc, OneOf, Seconds, Unique
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.protocol.welcome import ShapingView
 
 
@@ -55,15 +56,31 @@ class ShapingSection(FeatureSection[ResponseShaping | None]):
             return shaping
         cues = dict(cursor.entries()).get("cues", cursor)
         if not shaping.cues:
-            cues.error("the list has no cue; add one, or remove the section")
+            cues.error(
+                Sentence("delay.no_cues", "the list has no cue; add one, or remove the section")
+            )
         if not shaping.floor and not shaping.jitter:
-            cursor.warning("delays nothing; add a floor, such as floor: 0.8 s")
+            cursor.warning(
+                Sentence(
+                    "delay.delays_nothing", "delays nothing; add a floor, such as floor: 0.8 s"
+                )
+            )
         if "engagement" in shaping.cues and "engagement" not in table:
-            cues.warning("the cue engagement never occurs: the file has no section engagement")
+            cues.warning(
+                Sentence(
+                    "delay.no_engagement",
+                    "the cue engagement never occurs: the file has no section engagement",
+                )
+            )
         sensors = contents.sensors
         hears = sensors is None or SPEECH in {name.rpartition(".")[2] for name in sensors}
         if "speech" in shaping.cues and not hears:
-            cues.warning("the cue speech never occurs: no driver detects the end of speech")
+            cues.warning(
+                Sentence(
+                    "delay.no_speech",
+                    "the cue speech never occurs: no driver detects the end of speech",
+                )
+            )
         return shaping
 
     def changes(self, old: ResponseShaping | None, new: ResponseShaping | None) -> Iterable[str]:

@@ -18,6 +18,7 @@ from woz_tui.config.reload_changes import changed_entries, changed_settings
 from woz_tui.config.yaml_cursor import Cursor, texts_of
 from woz_tui.drivers.contract import LEAVES
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, OneOf, Pattern, Seconds, Unique
+from woz_tui.protocol.sentence import Sentence
 
 #: What of the log is sent only where the file says so.
 SHARED = ("texts", "conditions", "codes")
@@ -31,7 +32,7 @@ MOST_SENSORS = 10
 class TakenEntry(Entry):
     """A stream of another program that is taken into the session's log."""
 
-    what = "a stream"
+    what = Sentence("lsl.a_stream", "a stream")
     example = "{stream: eyes, as: marker}"
     stream: Annotated[str, NotBlank(), Doc("the stream's name, as its program gives it")]
     source_id: Annotated[str, Doc("only the one with this source_id")] = ""
@@ -42,7 +43,7 @@ class TakenEntry(Entry):
     ] = "marker"
     sensor: Annotated[
         str,
-        Pattern(r"[a-z][a-z0-9_]*|", "small letters, digits and _"),
+        Pattern(r"[a-z][a-z0-9_]*|", Sentence("lsl.sensor_sign", "small letters, digits and _")),
         Doc("of a reading: what the sensor is called (default: the stream's name)"),
     ] = ""
     every: Annotated[float, Seconds(0.02, 60), Doc("of a reading: time between two at least")] = 0.1
@@ -63,7 +64,9 @@ class LslSettings:
     ] = True
     prefix: Annotated[
         str,
-        Pattern(r"[A-Za-z][A-Za-z0-9_-]{0,30}", "letters, digits, - and _"),
+        Pattern(
+            r"[A-Za-z][A-Za-z0-9_-]{0,30}", Sentence("lsl.stream_name", "letters, digits, - and _")
+        ),
         Doc("the names of its streams begin so; another one for each robot of a lab"),
     ] = "woz"
     sensors: Annotated[
@@ -104,15 +107,40 @@ class LslSection(FeatureSection[LslSettings | None]):
         keys = dict(cursor.entries())
         for entry, name in texts_of(keys.get("sensors")):
             if name.rpartition(".")[2] in _WORDS:
-                entry.error(f"{quoted(name)} gives words; a stream of a sensor has numbers")
+                entry.error(
+                    Sentence(
+                        "lsl.sensor_of_words",
+                        "{name} gives words; a stream of a sensor has numbers",
+                        name=quoted(name),
+                    )
+                )
             elif contents.complete and name not in (contents.sensors or (name,)):
-                near = entry.report.hint(name, contents.sensors or (), or_list="sensors are")
-                entry.error(f"there is no sensor {quoted(name)}{near}")
+                near = entry.report.hint(
+                    name,
+                    contents.sensors or (),
+                    or_list=Sentence("check.sensors_are", "sensors are"),
+                )
+                entry.error(
+                    Sentence(
+                        "check.no_sensor",
+                        "there is no sensor {name}{near}",
+                        name=quoted(name),
+                        near=near,
+                    )
+                )
         if len(settings.sensors) > MOST_SENSORS:
-            keys["sensors"].error(f"at most {MOST_SENSORS}: the Lab Streaming Layer has few ports")
+            keys["sensors"].error(
+                Sentence(
+                    "lsl.too_many_sensors",
+                    "at most {most}: the Lab Streaming Layer has few ports",
+                    most=MOST_SENSORS,
+                )
+            )
         _check_taken(keys.get("take"), settings, contents)
         if "conditions" in settings.shares:
-            keys["shares"].warning("whoever sees the recording sees the conditions")
+            keys["shares"].warning(
+                Sentence("lsl.shows_conditions", "whoever sees the recording sees the conditions")
+            )
         return settings
 
     def changes(self, old: LslSettings | None, new: LslSettings | None) -> Iterable[str]:
@@ -120,7 +148,9 @@ class LslSection(FeatureSection[LslSettings | None]):
             return changed_settings("lsl", old, new)
         takes = ({each.stream: each for each in some.take} for some in (old, new))
         alike = replace(old, take=new.take)
-        return *changed_settings("lsl", alike, new), *changed_entries("stream", *takes)
+        return *changed_settings("lsl", alike, new), *changed_entries(
+            Sentence("reload.a_stream", "stream"), *takes
+        )
 
     def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         section = self.of(experiment)
@@ -150,12 +180,30 @@ def _check_taken(cursor: Cursor | None, settings: LslSettings, contents: FileCon
     entries = [*cursor.items()] if cursor is not None else []
     for entry, each in zip(entries, settings.take, strict=False):  # wrong ones are left out
         if each.stream in taken:
-            entry.error(f"the stream {quoted(each.stream)} is taken already")
+            entry.error(
+                Sentence(
+                    "lsl.stream_taken",
+                    "the stream {stream} is taken already",
+                    stream=quoted(each.stream),
+                )
+            )
         elif each.stream.startswith(f"{settings.prefix}-"):
-            entry.error(f"{quoted(each.stream)} would be a stream of the session itself")
+            entry.error(
+                Sentence(
+                    "lsl.own_stream",
+                    "{stream} would be a stream of the session itself",
+                    stream=quoted(each.stream),
+                )
+            )
         taken.add(each.stream)
         if each.as_ == "reading" and each.called in names:
-            entry.error(f"there is a sensor {quoted(each.called)} already; add sensor: NAME")
+            entry.error(
+                Sentence(
+                    "lsl.sensor_taken",
+                    "there is a sensor {called} already; add sensor: NAME",
+                    called=quoted(each.called),
+                )
+            )
         elif each.as_ == "reading":
             names.add(each.called)
 

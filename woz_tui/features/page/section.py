@@ -23,6 +23,7 @@ from woz_tui.drivers.fields import Doc, NotEmpty, OneOf, Path, Unique
 from woz_tui.features.page.visitors import PageRole
 from woz_tui.features.questionnaires.section import QUESTIONNAIRES
 from woz_tui.network.listen_address import ListenAddress, is_loopback
+from woz_tui.protocol.sentence import Sentence, said_by
 
 #: Where pages are unless something else is said: on this computer alone.
 HERE = "127.0.0.1:8080"
@@ -87,20 +88,30 @@ class PageSection(FeatureSection[PageSettings | None]):
             return settings
         keys = dict(cursor.entries())
         if bool(settings.certificate) != bool(settings.key):
-            cursor.error("certificate and key belong together")
+            cursor.error(
+                Sentence("page.certificate_and_key", "certificate and key belong together")
+            )
         try:
             at = ListenAddress.read(settings.at)
         except ValueError as error:
-            keys.get("at", cursor).error(str(error))
+            keys.get("at", cursor).error(said_by(error))
             return settings
         if not (settings.plain or settings.certificate or is_loopback(at.host)):
             keys.get("at", cursor).error(
-                f"{settings.at} lets other computers in, and nothing is encrypted: a certificate"
-                " and its key encrypt, `plain: true` says that this is meant, in a network of"
-                " your own"
+                Sentence(
+                    "page.nothing_encrypted",
+                    "{at} lets other computers in, and nothing is encrypted: a"
+                    " certificate and its key encrypt, `plain: true` says that this is"
+                    " meant, in a network of your own",
+                    at=settings.at,
+                )
             )
         if settings.pictures:
-            keys["pictures"].warning("whoever watches the page sees who is before the camera")
+            keys["pictures"].warning(
+                Sentence(
+                    "page.shows_camera", "whoever watches the page sees who is before the camera"
+                )
+            )
         return settings
 
     def check(self, experiment: Experiment, table: Mapping[str, Cursor]) -> None:
@@ -109,13 +120,31 @@ class PageSection(FeatureSection[PageSettings | None]):
         asked = [each.name for each in QUESTIONNAIRES.of(experiment).questionnaires]
         if name and name not in asked:
             entry = dict(table["page"].entries())["questionnaire"]
-            near = entry.report.hint(name, asked, or_list="questionnaires are")
-            entry.error(f"there is no questionnaire {quoted(name)}{near}")
+            near = entry.report.hint(
+                name, asked, or_list=Sentence("page.questionnaires_are", "questionnaires are")
+            )
+            entry.error(
+                Sentence(
+                    "page.no_questionnaire",
+                    "there is no questionnaire {name}{near}",
+                    name=quoted(name),
+                    near=near,
+                )
+            )
         drivers = [each.name for each in experiment.drivers]
         for entry, camera in texts_of(_pictures(table)) if settings is not None else ():
             if camera not in drivers:
-                near = entry.report.hint(camera, drivers, or_list="drivers are")
-                entry.error(f"there is no driver {quoted(camera)}{near}")
+                near = entry.report.hint(
+                    camera, drivers, or_list=Sentence("page.drivers_are", "drivers are")
+                )
+                entry.error(
+                    Sentence(
+                        "page.no_driver",
+                        "there is no driver {name}{near}",
+                        name=quoted(camera),
+                        near=near,
+                    )
+                )
 
     def trained(self, section: PageSettings | None) -> PageSettings | None:
         return None  # nobody takes part in one

@@ -24,6 +24,7 @@ from woz_tui.config.yaml_nodes import ListNode, MappingNode, ScalarNode
 from woz_tui.drivers.contract import KEPT
 from woz_tui.features.slots.slot_value import SlotValueError, checked_value
 from woz_tui.protocol.envelope import Json
+from woz_tui.protocol.sentence import Sentence, said_by
 
 #: What a field can be beside one of several words, and the table's column of codes.
 TEXT, CODE = "text", utterance_template.PARTICIPANT
@@ -45,7 +46,14 @@ class ParticipantFields:
             return ""
         value = checked_value(text)
         if words and value not in words:
-            raise SlotValueError(f"is not {quoted(value)}; it can be {', '.join(words)}")
+            raise SlotValueError(
+                Sentence(
+                    "people.not_one_of",
+                    "is not {value}; it can be {words}",
+                    value=quoted(value),
+                    words=", ".join(words),
+                )
+            )
         return value
 
 
@@ -57,9 +65,9 @@ class PeopleSection(FeatureSection[ParticipantFields]):
 
     def changes(self, old: ParticipantFields, new: ParticipantFields) -> Iterable[str]:
         if old.fields != new.fields:
-            yield "fields of participants changed"
+            yield Sentence("reload.fields", "fields of participants changed")
         if old.rows != new.rows:
-            yield "the table of participants changed"
+            yield Sentence("reload.people", "the table of participants changed")
 
     def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         if fields := self.of(experiment).fields:
@@ -106,7 +114,7 @@ class _Reader(PeopleSection):
         try:
             text = read_source(path, str(path)).text
         except SourceFileError as error:
-            entry.error(str(error))
+            entry.error(error.message)
             return ParticipantFields(fields)
         return ParticipantFields(fields, dict(_rows(text, ParticipantFields(fields), entry)))
 
@@ -124,7 +132,9 @@ def _fields(table: Mapping[str, Cursor], *, silent: bool = False) -> dict[str, t
         return {}
     if not isinstance(cursor.node, MappingNode):
         if not silent:
-            cursor.table("fields, such as {first: text, group: [child, adult]}")
+            cursor.table(
+                Sentence("people.fields", "fields, such as {{first: text, group: [child, adult]}}")
+            )
         return {}
     fields: dict[str, tuple[str, ...]] = {}
     for name, entry in cursor.entries():
@@ -138,16 +148,35 @@ def _fields(table: Mapping[str, Cursor], *, silent: bool = False) -> dict[str, t
 
 def _check_field(name: str, entry: Cursor, words: tuple[str, ...]) -> None:
     if not utterance_template.NAME.fullmatch(name):
-        entry.error("a field's name can have letters, digits and _, and cannot begin with a digit")
+        entry.error(
+            Sentence(
+                "people.field_name",
+                "a field's name can have letters, digits and _, and cannot begin with a digit",
+            )
+        )
     if not words and not (isinstance(entry.node, ScalarNode) and entry.node.text == TEXT):
-        entry.error(f"expected {TEXT}, or the words that it can be, such as [child, adult]")
+        entry.error(
+            Sentence(
+                "people.text_or_words",
+                "expected {text}, or the words that it can be, such as [child, adult]",
+                text=TEXT,
+            )
+        )
     for word in words:
         try:
             checked_value(word)
         except SlotValueError as error:
-            entry.error(f"{quoted(word)} {error}")
+            entry.error(
+                Sentence(
+                    "slots.value_is_wrong", "{value} {why}", value=quoted(word), why=said_by(error)
+                )
+            )
         if word == "else":
-            entry.error("'else' stands for everybody else; choose another word")
+            entry.error(
+                Sentence(
+                    "people.else_reserved", "'else' stands for everybody else; choose another word"
+                )
+            )
 
 
 def _rows(
@@ -160,11 +189,19 @@ def _rows(
     reader = csv.DictReader(io.StringIO(text), delimiter=";" if ";" in head else ",")
     columns = [(each or "").strip() for each in reader.fieldnames or ()]
     if CODE not in columns:
-        entry.error(f"the table has no column {quoted(CODE)} in its first line")
+        entry.error(
+            Sentence(
+                "people.no_codes",
+                "the table has no column {name} in its first line",
+                name=quoted(CODE),
+            )
+        )
         return
     for name in known.fields:
         if name not in columns:
-            entry.warning(f"the table has no column {quoted(name)}")
+            entry.warning(
+                Sentence("people.no_column", "the table has no column {name}", name=quoted(name))
+            )
     seen: set[str] = set()
     for row in reader:
         told = {(name or "").strip(): value or "" for name, value in row.items() if name}
@@ -172,15 +209,32 @@ def _rows(
         if not code:
             continue
         if code in seen:
-            entry.error(f"line {reader.line_num} of the table is about {quoted(code)} again")
+            entry.error(
+                Sentence(
+                    "people.code_again",
+                    "line {line} of the table is about {code} again",
+                    line=reader.line_num,
+                    code=quoted(code),
+                )
+            )
         seen.add(code)
         fields: dict[str, str] = {}
         for name in known.fields:
             try:
                 fields[name] = known.checked(name, str(told.get(name, "")))
             except SlotValueError as error:
-                why = str(error).partition(";")[2] or f" {error}"
-                entry.error(f"line {reader.line_num} of the table: {quoted(name)} is wrong;{why}")
+                words = known.fields[name]  # the value itself may be a name
+                it_can_be = Sentence("people.can_be", " it can be {words}", words=", ".join(words))
+                why = it_can_be if words else f" {error}"
+                entry.error(
+                    Sentence(
+                        "people.line_wrong",
+                        "line {line} of the table: {name} is wrong;{why}",
+                        line=reader.line_num,
+                        name=quoted(name),
+                        why=why,
+                    )
+                )
         yield code, {name: value for name, value in fields.items() if value}
 
 

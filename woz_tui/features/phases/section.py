@@ -33,6 +33,7 @@ from woz_tui.drivers.fields import (
     Unique,
 )
 from woz_tui.protocol.envelope import Json
+from woz_tui.protocol.sentence import Sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +44,7 @@ class Phase(Entry):
     in front. Without a script of its own the experiment's goes on.
     """
 
-    what = "a phase"
+    what = Sentence("phases.a_phase", "a phase")
     example = "{name: opening, panels: [...]}"
     either = ("name", "title")
     name: Annotated[str, NotBlank(), Doc("what logs and tables call it (default: the title)")] = ""
@@ -52,12 +53,12 @@ class Phase(Entry):
     script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()
     on_enter: Annotated[
         tuple[str, ...],
-        OneOrMore("the name of an action"),
+        OneOrMore(Sentence("check.action_name", "the name of an action")),
         Doc("names of actions played when it begins"),
     ] = ()
     after: Annotated[
         tuple[str, ...],
-        OneOrMore("the name of a phase"),
+        OneOrMore(Sentence("phases.phase_name", "the name of a phase")),
         Doc("phases, one of which must have begun in the trial before this one"),
     ] = ()
     planned: Annotated[float, Seconds(1.0, 86_400.0), Doc("planned duration")] = 0.0
@@ -100,17 +101,21 @@ class PhaseSection(FeatureSection[tuple[Phase, ...]]):
     ) -> tuple[Phase, ...]:
         cursor = table.get("phases")
         if cursor is not None and isinstance(cursor.node, ListNode) and not cursor.node.nodes:
-            cursor.error("the list has no phase; add one, or remove phases")
+            cursor.error(
+                Sentence("phases.none_listed", "the list has no phase; add one, or remove phases")
+            )
         found = [
             (entry, replace(phase, name=phase.name or phase.title))
-            for entry, phase in read_entries(cursor, "a list of phases", Phase)
+            for entry, phase in read_entries(
+                cursor, Sentence("phases.list", "a list of phases"), Phase
+            )
         ]
         names = [(entry, phase.name) for entry, phase in found]
-        check_different(names, "a phase", ("name", "title"))
+        check_different(names, Sentence("phases.a_phase", "a phase"), ("name", "title"))
         for entry, phase in found:
             keys = dict(entry.entries())
-            _check_names(keys.get("panels"), [panel.title for panel in contents.panels], "panel")
-            _check_names(keys.get("after"), [name for _, name in names], "phase")
+            _check_panels(keys.get("panels"), [panel.title for panel in contents.panels])
+            _check_phases(keys.get("after"), [name for _, name in names])
             for key in ("script", "on_enter"):
                 _check_actions(keys.get(key), contents.actions, phase)
         _check_reachable(found)
@@ -121,9 +126,9 @@ class PhaseSection(FeatureSection[tuple[Phase, ...]]):
 
     def changes(self, old: tuple[Phase, ...], new: tuple[Phase, ...]) -> Iterable[str]:
         before, after = ({phase.name: phase for phase in each} for each in (old, new))
-        yield from changed_entries("phase", before, after)
+        yield from changed_entries(Sentence("reload.a_phase", "phase"), before, after)
         if [name for name in before if name in after] != [name for name in after if name in before]:
-            yield "phases are in another order"
+            yield Sentence("reload.phase_order", "phases are in another order")
 
     # -- which holds -------------------------------------------------------------------------------
 
@@ -192,18 +197,45 @@ def _in_words(phase: Phase, phases: Iterable[Phase]) -> str:
     return f"{phase.heading}: {'; '.join(part for part in parts if part)}"
 
 
-def _check_names(cursor: Cursor | None, known: Collection[str], what: str) -> None:
+def _check_panels(cursor: Cursor | None, known: Collection[str]) -> None:
     for entry, name in texts_of(cursor):
         if name not in known:
-            near = entry.report.hint(name, known, or_list=f"{what}s are")
-            entry.error(f"there is no {what} {quoted(name)}{near}")
+            near = entry.report.hint(
+                name, known, or_list=Sentence("check.panels_are", "panels are")
+            )
+            entry.error(
+                Sentence(
+                    "check.no_panel", "there is no panel {name}{near}", name=quoted(name), near=near
+                )
+            )
+
+
+def _check_phases(cursor: Cursor | None, known: Collection[str]) -> None:
+    for entry, name in texts_of(cursor):
+        if name not in known:
+            near = entry.report.hint(
+                name, known, or_list=Sentence("phases.phases_are", "phases are")
+            )
+            entry.error(
+                Sentence(
+                    "phases.no_such_phase",
+                    "there is no phase {name}{near}",
+                    name=quoted(name),
+                    near=near,
+                )
+            )
 
 
 def _check_actions(cursor: Cursor | None, actions: Mapping[str, Action], phase: Phase) -> None:
     for entry, action in check_actions(cursor, actions):
         if phase.panels and action.panel not in phase.panels:
-            panel = f"the panel {quoted(action.panel)} is not in front in this phase"
-            entry.warning(f"{panel}; add it to panels: [...]")
+            entry.warning(
+                Sentence(
+                    "phases.panel_not_in_front",
+                    "the panel {panel} is not in front in this phase; add it to panels: [...]",
+                    panel=quoted(action.panel),
+                )
+            )
 
 
 def _check_reachable(found: Sequence[tuple[Cursor, Phase]]) -> None:
@@ -218,6 +250,17 @@ def _check_reachable(found: Sequence[tuple[Cursor, Phase]]) -> None:
     for number, (entry, phase) in enumerate(found):
         after = dict(entry.entries()).get("after")
         if after is not None and not number and phase.after:
-            after.warning("the first phase begins by itself; after has no effect here")
+            after.warning(
+                Sentence(
+                    "phases.first_begins",
+                    "the first phase begins by itself; after has no effect here",
+                )
+            )
         elif after is not None and phase.name not in reached:
-            after.warning(f"{quoted(phase.name)} can never begin: none of these phases can")
+            after.warning(
+                Sentence(
+                    "phases.never_begins",
+                    "{name} can never begin: none of these phases can",
+                    name=quoted(phase.name),
+                )
+            )

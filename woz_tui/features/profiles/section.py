@@ -13,6 +13,7 @@ from woz_tui.config.problems import quoted
 from woz_tui.config.reload_changes import changed_entries
 from woz_tui.config.yaml_cursor import Cursor, texts_of
 from woz_tui.drivers.fields import Doc, Entry, ReadApart
+from woz_tui.protocol.sentence import Sentence
 
 #: The verb that turns a knob; its first argument's choices are all controls there are.
 CONTROL = "control"
@@ -26,7 +27,7 @@ class ProfileEntry(Entry):
     `hide`: what may not be used is not even shown.
     """
 
-    what = "a profile"
+    what = Sentence("profiles.a_profile", "a profile")
     example = "{panels: [Speech]}"
     panels: Annotated[frozenset[str], Doc("panels that can be used")] = frozenset()
     actions: Annotated[frozenset[str], Doc("actions that can be used")] = frozenset()
@@ -66,7 +67,11 @@ class ProfileSection(FeatureSection[Mapping[str, Profile]]):
         self, table: Mapping[str, Cursor], file: Any, contents: FileContents
     ) -> dict[str, Profile]:
         cursor = table.get("profiles")
-        entries = cursor.table("a mapping of profiles by name") if cursor is not None else None
+        entries = (
+            cursor.table(Sentence("profiles.by_name", "a mapping of profiles by name"))
+            if cursor is not None
+            else None
+        )
         return {
             name: profile
             for name, entry in (entries or {}).items()
@@ -74,7 +79,7 @@ class ProfileSection(FeatureSection[Mapping[str, Profile]]):
         }
 
     def changes(self, old: Mapping[str, Profile], new: Mapping[str, Profile]) -> Iterable[str]:
-        return changed_entries("profile", old, new)
+        return changed_entries(Sentence("reload.a_profile", "profile"), old, new)
 
     def moments(self, experiment: Experiment) -> Iterable[tuple[str, Profile]]:
         return (
@@ -87,25 +92,50 @@ def _profile(name: str, cursor: Cursor, contents: FileContents) -> Profile | Non
     if profile is None:
         return None
     if not name.strip():
-        cursor.error("a profile needs a name")
+        cursor.error(Sentence("profiles.nameless", "a profile needs a name"))
     table = dict(cursor.entries())
     panels = [panel.title for panel in contents.panels]
     actions = [action.name for panel in contents.panels for action in panel.actions]
     knobs = [verb for verb in contents.verbs if verb.name == CONTROL and verb.arguments]
     controls = [choice for verb in knobs for choice in verb.arguments[0].choices]
-    for field_, there, what in (
-        ("panels", panels, "there is no panel"),
-        ("actions", actions, "there is no action"),
-        ("controls", [*dict.fromkeys(controls)], "no body has a control"),
-        ("verbs", [*dict.fromkeys(verb.name for verb in contents.verbs)], "no driver offers"),
+    for field_, there in (
+        ("panels", panels),
+        ("actions", actions),
+        ("controls", [*dict.fromkeys(controls)]),
+        ("verbs", [*dict.fromkeys(verb.name for verb in contents.verbs)]),
     ):
         for entry, word in texts_of(table.get(field_)):
             if word not in there and (contents.complete or field_ in ("panels", "actions")):
-                near = entry.report.hint(word, there, or_list="there are")
-                entry.error(f"{what} {quoted(word)}{near}")
+                near = entry.report.hint(
+                    word, there, or_list=Sentence("check.there_are", "there are")
+                )
+                entry.error(_not_there(field_, quoted(word), near))
     if not any(field_ in table for field_ in FIELDS[:-1]):
-        cursor.error(f"allows nothing; name some of {', '.join(FIELDS[:-1])}")
+        cursor.error(
+            Sentence(
+                "profiles.allows_nothing",
+                "allows nothing; name some of {names}",
+                names=", ".join(FIELDS[:-1]),
+            )
+        )
     return profile
+
+
+def _not_there(field_: str, name: str, near: str) -> str:
+    match field_:
+        case "panels":
+            return Sentence(
+                "check.no_panel", "there is no panel {name}{near}", name=name, near=near
+            )
+        case "actions":
+            return Sentence(
+                "check.no_action", "there is no action {name}{near}", name=name, near=near
+            )
+        case "controls":
+            return Sentence(
+                "profiles.no_control", "no body has a control {name}{near}", name=name, near=near
+            )
+    return Sentence("check.no_driver_offers", "no driver offers {verb}{near}", verb=name, near=near)
 
 
 PROFILES = ProfileSection(ProfileKeys, {})

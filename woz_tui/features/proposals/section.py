@@ -29,6 +29,7 @@ from woz_tui.features.proposals.rights import (
     ProgramRights,
 )
 from woz_tui.protocol.envelope import Json
+from woz_tui.protocol.sentence import Sentence
 
 #: How `woz mcp` calls itself.
 MCP = "mcp"
@@ -40,7 +41,7 @@ class ModelSettings:
 
     url: Annotated[
         str,
-        Pattern(r"https?://.+", "begins with http:// or https://"),
+        Pattern(r"https?://.+", Sentence("proposals.address", "begins with http:// or https://")),
         Doc("the address before /chat/completions"),
     ] = "http://127.0.0.1:8080/v1"
     name: Annotated[str, Doc("the model that is asked for; empty: the server's own")] = ""
@@ -120,7 +121,11 @@ class ProposalSection(FeatureSection[Proposals | None]):
         cursor = table.get("programs")
         if cursor is None and "suggest" not in table:
             return None
-        entries = cursor.table("a mapping of programs by name") if cursor is not None else None
+        entries = (
+            cursor.table(Sentence("proposals.programs_by_name", "a mapping of programs by name"))
+            if cursor is not None
+            else None
+        )
         programs = {
             name: rights
             for name, entry in (entries or {}).items()
@@ -129,8 +134,12 @@ class ProposalSection(FeatureSection[Proposals | None]):
         suggest = file.suggest or SuggestKeysOfFile()
         if suggest.model is not None and not is_local(suggest.model.url):
             table["suggest"].warning(
-                f"what visitors say is sent to {host_of(suggest.model.url)}; say so in their"
-                " consent, or serve a model on a computer of your own"
+                Sentence(
+                    "proposals.sent_away",
+                    "what visitors say is sent to {host}; say so in their consent, or"
+                    " serve a model on a computer of your own",
+                    host=host_of(suggest.model.url),
+                )
             )
         return Proposals(suggest, {MCP: ONLY_PROPOSES, **programs})
 
@@ -139,7 +148,7 @@ class ProposalSection(FeatureSection[Proposals | None]):
             return changed_settings("suggest", old, new)
         return (
             *changed_settings("suggest", old.suggest, new.suggest),
-            *changed_entries("program", old.programs, new.programs),
+            *changed_entries(Sentence("reload.a_program", "program"), old.programs, new.programs),
         )
 
     def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
@@ -215,7 +224,14 @@ def _rights(cursor: Cursor, contents: FileContents) -> ProgramRights | None:
     if not isinstance(cursor.node, MappingNode):
         word = read_value(cursor, str, (OneOf((PLAY, PROPOSE)),))
         return None if isinstance(word, Invalid) else ProgramRights(None if word == PLAY else ())
-    table = cursor.fields((PLAY,), "a program has", "play, propose, or {play: [gaze]}") or {}
+    table = (
+        cursor.fields(
+            (PLAY,),
+            Sentence("proposals.program_has", "a program has"),
+            Sentence("proposals.rights", "play, propose, or {{play: [gaze]}}"),
+        )
+        or {}
+    )
     listed = table.get(PLAY)
     named = read_value(listed, tuple[str, ...]) if listed is not None else ()
     if isinstance(named, Invalid):
@@ -223,8 +239,15 @@ def _rights(cursor: Cursor, contents: FileContents) -> ProgramRights | None:
     known = [ACTIONS, *dict.fromkeys(verb.name for verb in contents.verbs)]
     for name in named:
         if name not in known and contents.complete and listed is not None:
-            near = listed.report.hint(name, known, or_list="there are")
-            listed.error(f"no driver offers {quoted(name)}{near}")
+            near = listed.report.hint(name, known, or_list=Sentence("check.there_are", "there are"))
+            listed.error(
+                Sentence(
+                    "check.no_driver_offers",
+                    "no driver offers {verb}{near}",
+                    verb=quoted(name),
+                    near=near,
+                )
+            )
     return ProgramRights(named)
 
 

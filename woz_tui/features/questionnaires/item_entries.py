@@ -13,6 +13,7 @@ from woz_tui.config.yaml_cursor import Cursor, check_different, missing, read_fi
 from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, OneOf, OneOrMore, Range, ReadApart
 from woz_tui.features.questionnaires.items import NUMBERS
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.protocol.welcome import ItemCondition, ItemLabel, QuestionnaireItem
 
 #: What names in logs and tables look like.
@@ -32,7 +33,7 @@ _LANGUAGE = re.compile(r"[a-z]{2,3}(-[A-Za-z0-9]{1,8})*")
 class StoredEntry(Entry):
     """How the points of a scale are stored."""
 
-    what = "how a scale is stored"
+    what = Sentence("questionnaires.stored_scale", "how a scale is stored")
     example = "{low: -3}"
     low: Annotated[
         int, Range(-1000, 1000), Doc("the number that is stored for the lowest point")
@@ -43,7 +44,7 @@ class StoredEntry(Entry):
 class ScaleEntry(Entry):
     """A scale as a file gives it; what it leaves out is as in the questionnaire's scale."""
 
-    what = "a scale"
+    what = Sentence("questionnaires.a_scale", "a scale")
     example = "{low: 1, high: 7}"
     low: Annotated[int | None, Range(-1000, 1000), Doc("the lowest number")] = None
     high: Annotated[int | None, Range(-1000, 1000), Doc("the highest number")] = None
@@ -64,7 +65,7 @@ class ScaleEntry(Entry):
 class SliderEntry(Entry):
     """A line from end to end, without a mark until one is set."""
 
-    what = "a slider"
+    what = Sentence("questionnaires.a_slider", "a slider")
     example = "{low: 0, high: 100, step: 5}"
     low: Annotated[int, Range(-1000, 1000), Doc("the lowest number")] = 0
     high: Annotated[int, Range(-1000, 1000), Doc("the highest number")] = 100
@@ -76,7 +77,7 @@ class SliderEntry(Entry):
 class NumberEntry(Entry):
     """A whole number that is typed."""
 
-    what = "a number"
+    what = Sentence("check.a_number", "a number")
     example = "{low: 18, high: 99, unit: years}"
     low: Annotated[int, Range(-1_000_000, 1_000_000), Doc("the lowest one")] = 0
     high: Annotated[int, Range(-1_000_000, 1_000_000), Doc("the highest one")] = 1_000_000
@@ -87,10 +88,14 @@ class NumberEntry(Entry):
 class ConditionEntry(Entry):
     """An answer of before on which it depends whether an item is asked."""
 
-    what = "a condition on an earlier answer"
+    what = Sentence("questionnaires.a_condition", "a condition on an earlier answer")
     example = "{item: NAME, is: [3, 4]}"
     item: Annotated[str, NotBlank(), Doc("name of an earlier item")]
-    is_: Annotated[tuple[str, ...], OneOrMore("a number or a choice"), Doc("one of these")] = ()
+    is_: Annotated[
+        tuple[str, ...],
+        OneOrMore(Sentence("questionnaires.number_or_choice", "a number or a choice")),
+        Doc("one of these"),
+    ] = ()
     at_least: Annotated[float | None, Doc("this number or a higher one")] = None
     at_most: Annotated[float | None, Doc("this number or a lower one")] = None
 
@@ -112,7 +117,7 @@ RequiredOfEntry = Annotated[
 class ItemEntry(Entry):
     """An item of a questionnaire as a file gives it."""
 
-    what = "an item"
+    what = Sentence("questionnaires.an_item", "an item")
     example = "a question, or {name: ..., question: ...}"
     question: Annotated[_Words, Doc("as the participant reads it")] = ""
     name: NameOfEntry = ""
@@ -278,15 +283,21 @@ def languages_of(cursor: Cursor, items: Iterable[Cursor], code: str) -> list[str
     for place in several:
         for language, entry in place.entries():
             if not _LANGUAGE.fullmatch(language):
-                entry.error("expected a language, such as de")
+                entry.error(
+                    Sentence("questionnaires.language_expected", "expected a language, such as de")
+                )
             else:
                 found[language] = None
     for place in several:
         lacking = [each for each in found if each not in dict(place.entries())]
         if lacking:
             place.error(
-                f"is missing in {', '.join(lacking)}; each text is in all languages of its"
-                " questionnaire, that of the experiment included"
+                Sentence(
+                    "questionnaires.missing_in_languages",
+                    "is missing in {names}; each text is in all languages of its"
+                    " questionnaire, that of the experiment included",
+                    names=", ".join(lacking),
+                )
             )
     return [*found]
 
@@ -323,16 +334,29 @@ def read_name(entry: Cursor, made_of: str, sentence: str) -> str:
     near = name_from_text(sentence)
     if cursor is None:
         if sentence and not near:
-            missing({}, "name", entry, f"no name can be made from the {made_of}")
+            missing(
+                {},
+                "name",
+                entry,
+                Sentence("questionnaires.no_name_of_title", "no name can be made from the title")
+                if made_of == "title"
+                else Sentence(
+                    "questionnaires.no_name_of_question", "no name can be made from the question"
+                ),
+            )
         return near
-    text = read_text(cursor, "a name")
+    text = read_text(cursor, Sentence("check.a_name", "a name"))
     if text is None or NAME_PATTERN.fullmatch(text):
         return text or ""
     near = name_from_text(text)
-    hint = f", such as {near!r}" if near else ""
+    hint = Sentence("questionnaires.such_as", ", such as {name!r}", name=near) if near else ""
     cursor.error(
-        "a name in logs and tables begins with a letter (a to z), and goes on with letters, digits,"
-        f" - and _; 40 characters at most{hint}"
+        Sentence(
+            "questionnaires.name_rule",
+            "a name in logs and tables begins with a letter (a to z), and goes"
+            " on with letters, digits, - and _; 40 characters at most{near}",
+            near=hint,
+        )
     )
     return ""
 
@@ -342,14 +366,22 @@ def read_name(entry: Cursor, made_of: str, sentence: str) -> str:
 
 def read_items(cursor: Cursor | None, defaults: ItemDefaults, code: str) -> list[ReadItem]:
     """All items of a questionnaire; what is wrong with them has been reported."""
-    entries = cursor.list("a list of items") if cursor is not None else None
+    entries = (
+        cursor.list(Sentence("questionnaires.item_list", "a list of items"))
+        if cursor is not None
+        else None
+    )
     if cursor is not None and entries == []:
-        cursor.error("an item is missing here")
+        cursor.error(Sentence("questionnaires.item_missing", "an item is missing here"))
     found: list[ReadItem] = []
     for number, entry in enumerate(entries or (), start=1):
         read = _item(entry, defaults, code, number)
         found.append(_with_condition(read, found, code))
-    check_different([(read.cursor, read.name) for read in found], "an item", ("name", "question"))
+    check_different(
+        [(read.cursor, read.name) for read in found],
+        Sentence("questionnaires.an_item", "an item"),
+        ("name", "question"),
+    )
     return found
 
 
@@ -358,7 +390,12 @@ def _item(cursor: Cursor, defaults: ItemDefaults, code: str, number: int) -> Rea
         question = read_filled(cursor) or ""
         name = name_from_text(question)
         if question and not name:
-            cursor.error("no name can be made from this; write {name: ..., question: ...}")
+            cursor.error(
+                Sentence(
+                    "questionnaires.no_name_of_this",
+                    "no name can be made from this; write {{name: ..., question: ...}}",
+                )
+            )
         entry = ItemEntry(question)
         return ReadItem(cursor, entry, name, "scale", defaults.scale, {}, defaults)
     found = read_partly(cursor, ItemEntry)
@@ -367,7 +404,12 @@ def _item(cursor: Cursor, defaults: ItemDefaults, code: str, number: int) -> Rea
     entry, table = found, dict(cursor.entries())
     kind = _kind(table, entry)
     if kind != "page" and not entry.question and not entry.between and "question" not in table:
-        missing({}, "question", cursor, "as the participant reads it")
+        missing(
+            {},
+            "question",
+            cursor,
+            Sentence("questionnaires.as_read", "as the participant reads it"),
+        )
     told = " ".join(in_words(each, code, code) for each in entry.between or (entry.question,))
     name = read_name(cursor, "question", told if kind != "page" else f"page {number}")
     _check_fitting(table, entry, kind)
@@ -377,12 +419,12 @@ def _item(cursor: Cursor, defaults: ItemDefaults, code: str, number: int) -> Rea
 
 #: The kind of an item, by the key that makes it one, and what messages call it.
 _KINDS = {
-    "text": "a free text",
-    "slider": "a slider",
-    "choices": "a choice",
-    "number": "a number",
-    "month": "a month",
-    "page": "an instruction",
+    "text": Sentence("questionnaires.a_free_text", "a free text"),
+    "slider": Sentence("questionnaires.a_slider", "a slider"),
+    "choices": Sentence("questionnaires.a_choice", "a choice"),
+    "number": Sentence("check.a_number", "a number"),
+    "month": Sentence("questionnaires.a_month", "a month"),
+    "page": Sentence("questionnaires.an_instruction", "an instruction"),
 }
 #: Keys of which an item has some meaning only in these kinds.
 _ONLY_IN: Mapping[str, Collection[str]] = {
@@ -410,22 +452,49 @@ def _kind(table: Mapping[str, Cursor], entry: ItemEntry) -> str:
     absent = {"text": not entry.text, "month": not entry.month}
     given = [key for key in _KINDS if key in table and not absent.get(key)]
     for other in given[1:]:
-        table[other].error(f"an item that is {_KINDS[given[0]]} cannot be {_KINDS[other]}, too")
+        table[other].error(
+            Sentence(
+                "questionnaires.two_kinds",
+                "an item that is {kind} cannot be {other}, too",
+                kind=_KINDS[given[0]],
+                other=_KINDS[other],
+            )
+        )
     kind = given[0] if given else "scale"
     return ("choices" if entry.several else "choice") if kind == "choices" else kind
 
 
 def _check_fitting(table: Mapping[str, Cursor], entry: ItemEntry, kind: str) -> None:
-    called = _KINDS.get("choices" if kind == "choice" else kind, "a scale")
+    called = _KINDS.get(
+        "choices" if kind == "choice" else kind, Sentence("questionnaires.a_scale", "a scale")
+    )
     unset = {"several": not entry.several, "other": not entry.other, "reverse": not entry.reverse}
     for key, kinds in _ONLY_IN.items():
         if key in table and kind not in kinds and not unset.get(key):
-            table[key].error(f"{called} has no {quoted(key)}")
+            table[key].error(
+                Sentence(
+                    "questionnaires.kind_lacks",
+                    "{called} has no {key}",
+                    called=called,
+                    key=quoted(key),
+                )
+            )
     for key in _OF_QUESTIONS if kind == "page" else ():
         if key in table:
-            table[key].error(f"{called} has no {quoted(key)}")
+            table[key].error(
+                Sentence(
+                    "questionnaires.kind_lacks",
+                    "{called} has no {key}",
+                    called=called,
+                    key=quoted(key),
+                )
+            )
     if entry.optional and entry.required in ("required", "soft"):
-        table["required"].error("is optional already; leave out one of both")
+        table["required"].error(
+            Sentence(
+                "questionnaires.optional_already", "is optional already; leave out one of both"
+            )
+        )
 
 
 def _points(table: Mapping[str, Cursor], entry: ItemEntry, kind: str, outer: Scale) -> Scale:
@@ -436,7 +505,13 @@ def _points(table: Mapping[str, Cursor], entry: ItemEntry, kind: str, outer: Sca
             return outer
         if (slider.high - slider.low) % slider.step:
             dict(cursor.entries()).get("step", cursor).error(
-                f"from {slider.low} to {slider.high} there are no steps of {slider.step}"
+                Sentence(
+                    "questionnaires.no_steps",
+                    "from {low} to {high} there are no steps of {step}",
+                    low=slider.low,
+                    high=slider.high,
+                    step=slider.step,
+                )
             )
         return Scale(slider.low, slider.high, slider.ends or entry.between or ("", ""))
     if kind == "number" and entry.number is not None:
@@ -459,20 +534,36 @@ def _choices(cursor: Cursor | None) -> dict[int, Text]:
     if cursor is None:
         return {}
     coded = isinstance(cursor.node, MappingNode)
-    entries = [*cursor.entries()] if coded else cursor.list("a list of choices")
+    entries = (
+        [*cursor.entries()]
+        if coded
+        else cursor.list(Sentence("questionnaires.choices", "a list of choices"))
+    )
     found: dict[int, Text] = {}
     for number, one in enumerate(entries or (), start=1):
         name, entry = one if isinstance(one, tuple) else (str(number), one)
         if not re.fullmatch(r"-?\d{1,4}", name):
-            entry.error("the code of a choice is a whole number; write a list to have them from 1")
+            entry.error(
+                Sentence(
+                    "questionnaires.choice_code",
+                    "the code of a choice is a whole number; write a list to have them from 1",
+                )
+            )
             continue
         text = _words(entry)
         if text is not None and text in found.values():
-            entry.error("appears twice")
+            entry.error(Sentence("questionnaires.appears_twice", "appears twice"))
         elif text is not None:
             found[int(name)] = text
     if entries is not None and not 2 <= len(entries) <= MOST_CHOICES:
-        cursor.error(f"2 to {MOST_CHOICES} choices are possible, not {len(entries)}")
+        cursor.error(
+            Sentence(
+                "questionnaires.choices_possible",
+                "2 to {most} choices are possible, not {number}",
+                most=MOST_CHOICES,
+                number=len(entries),
+            )
+        )
     return found
 
 
@@ -496,9 +587,16 @@ def read_scale(cursor: Cursor | None, own: ScaleEntry | None, outer: Scale) -> S
     if own.points is not None:
         for key in ("low", "high", "ends", "labels"):
             if key in table:
-                table[key].error("points have their labels, and numbers from 1 on; leave this out")
+                table[key].error(
+                    Sentence(
+                        "questionnaires.points_have_labels",
+                        "points have their labels, and numbers from 1 on; leave this out",
+                    )
+                )
         if len(own.points) < 2:
-            table["points"].error("a scale needs at least two points")
+            table["points"].error(
+                Sentence("questionnaires.two_points", "a scale needs at least two points")
+            )
             return outer
         labels = dict(enumerate(own.points, start=1))
         ends = (own.points[0], own.points[-1])
@@ -525,7 +623,14 @@ def _labels(cursor: Cursor | None, own: ScaleEntry, low: int, high: int) -> dict
     known = {str(value): value for value in range(low, high + 1)}
     for name, entry in cursor.entries() if cursor is not None else ():
         if name not in known:
-            entry.error(f"is no point of this scale, which goes from {low} to {high}")
+            entry.error(
+                Sentence(
+                    "questionnaires.no_point",
+                    "is no point of this scale, which goes from {low} to {high}",
+                    low=low,
+                    high=high,
+                )
+            )
     texts = own.labels or {}
     return {value: texts[name] for name, value in known.items() if name in texts}
 
@@ -534,9 +639,22 @@ def _goes_up(cursor: Cursor, low: int, high: int, most: int | None = None) -> bo
     table = dict(cursor.entries())
     last = table.get("high", table.get("low", cursor))
     if low >= high:
-        last.error(f"the scale goes from {low} to {high}; it needs at least two points")
+        last.error(
+            Sentence(
+                "questionnaires.scale_too_short",
+                "the scale goes from {low} to {high}; it needs at least two points",
+                low=low,
+                high=high,
+            )
+        )
     elif most is not None and high - low >= most:
-        last.error(f"a scale can have at most {most} points")
+        last.error(
+            Sentence(
+                "questionnaires.too_many_points",
+                "a scale can have at most {most} points",
+                most=most,
+            )
+        )
     else:
         return True
     return False
@@ -555,19 +673,48 @@ def _with_condition(read: ReadItem, earlier: Sequence[ReadItem], code: str) -> R
     about = next((one for one in earlier if one.name == rule.item), None)
     if about is None:
         names = [one.name for one in earlier]
-        near = cursor.report.hint(rule.item, names, or_list="before it there are") if names else ""
-        table["item"].error(f"no item before this one is called {quoted(rule.item)}{near}")
+        near = (
+            cursor.report.hint(
+                rule.item,
+                names,
+                or_list=Sentence("questionnaires.before_it", "before it there are"),
+            )
+            if names
+            else ""
+        )
+        table["item"].error(
+            Sentence(
+                "questionnaires.no_item_before",
+                "no item before this one is called {item}{near}",
+                item=quoted(rule.item),
+                near=near,
+            )
+        )
         return read
     if about.kind not in (*NUMBERS, "choice", "choices"):
-        table["item"].error(f"{quoted(rule.item)} has no number and no choices to go by")
+        table["item"].error(
+            Sentence(
+                "questionnaires.no_number_to_go_by",
+                "{item} has no number and no choices to go by",
+                item=quoted(rule.item),
+            )
+        )
         return read
     if not rule.is_ and rule.at_least is None and rule.at_most is None:
-        cursor.error("says nothing of the answer; add is: [...], at_least: ... or at_most: ...")
+        cursor.error(
+            Sentence(
+                "questionnaires.says_nothing",
+                "says nothing of the answer; add is: [...], at_least: ... or at_most: ...",
+            )
+        )
     together = read.entry.group and read.entry.group == about.entry.group
     if read.defaults.shuffled and not together:
         cursor.error(
-            f"the order is shuffled, so {quoted(rule.item)} could come later; give both the same"
-            " group: ..."
+            Sentence(
+                "questionnaires.shuffled",
+                "the order is shuffled, so {item} could come later; give both the same group: ...",
+                item=quoted(rule.item),
+            )
         )
     values = tuple(_value(table["is"], about, word) for word in rule.is_)
     condition = ItemCondition(
@@ -585,7 +732,16 @@ def _value(cursor: Cursor, about: ReadItem, word: str) -> int | None:
         low, high, shift = about.scale.low, about.scale.high, about.scale.shift
         if re.fullmatch(r"-?\d{1,7}", word) and low <= int(word) <= high:
             return int(word) - shift
-        cursor.error(f"{quoted(word)} is no answer to {quoted(about.name)}: {low} to {high}")
+        cursor.error(
+            Sentence(
+                "questionnaires.no_answer_of_it",
+                "{word} is no answer to {name}: {low} to {high}",
+                word=quoted(word),
+                name=quoted(about.name),
+                low=low,
+                high=high,
+            )
+        )
         return None
     codes = {str(code): code for code in about.choices}
     for code, text in about.choices.items():
@@ -594,6 +750,14 @@ def _value(cursor: Cursor, about: ReadItem, word: str) -> int | None:
     if about.entry.other:
         codes.setdefault("other", max(about.choices, default=0) + 1)
     if word not in codes:
-        near = cursor.report.hint(word, [*codes], or_list="there are")
-        cursor.error(f"{quoted(word)} is no choice of {quoted(about.name)}{near}")
+        near = cursor.report.hint(word, [*codes], or_list=Sentence("check.there_are", "there are"))
+        cursor.error(
+            Sentence(
+                "questionnaires.no_choice_of_it",
+                "{word} is no choice of {name}{near}",
+                word=quoted(word),
+                name=quoted(about.name),
+                near=near,
+            )
+        )
     return codes.get(word)

@@ -14,6 +14,7 @@ from woz_tui.config.problems import quoted
 from woz_tui.config.yaml_cursor import Cursor, document, named_source, read_filled
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode
 from woz_tui.features.questionnaires.to_fill import TO_FILL
+from woz_tui.protocol.sentence import Sentence
 
 #: Keys that say something of one experiment alone.
 _OF_EXPERIMENTS = ("file", "when")
@@ -47,13 +48,30 @@ class QuestionnaireFiles:
             return entry
         for key, value in root.entries():
             if key in _OF_EXPERIMENTS:
-                value.error("belongs in the experiment, beside the name of this file")
+                value.error(
+                    Sentence(
+                        "questionnaires.belongs_in_experiment",
+                        "belongs in the experiment, beside the name of this file",
+                    )
+                )
         base = root.only([key for key, _ in root.entries() if key not in _OF_EXPERIMENTS]).node
         assert isinstance(base, MappingNode)
         entries = {**base.entries, **node.entries}
         for keys in (("items",), ("title", "name")):
             if not {*keys} & entries.keys():
-                named.error(f"{quoted(text)} has no {' and no '.join(keys)}")
+                named.error(
+                    Sentence(
+                        "questionnaires.file_without_items",
+                        "{file} has no items",
+                        file=quoted(text),
+                    )
+                    if keys == ("items",)
+                    else Sentence(
+                        "questionnaires.file_without_title",
+                        "{file} has no title and no name",
+                        file=quoted(text),
+                    )
+                )
         both = MappingNode(node.place, entries, {**base.keys, **node.keys})
         return Cursor(both, entry.path, entry.place, entry.report)
 
@@ -66,7 +84,11 @@ class QuestionnaireFiles:
                 return None
             self._sources[text] = source
             self._around.opened(source)
-        return document(source, named.report, "a questionnaire: its title, items and so on")
+        return document(
+            source,
+            named.report,
+            Sentence("questionnaires.file_holds", "a questionnaire: its title, items and so on"),
+        )
 
 
 def _check_filled(entry: Cursor) -> None:
@@ -78,11 +100,25 @@ def _check_filled(entry: Cursor) -> None:
     link = dict(source.entries()).get("link") if source is not None else None
     where = getattr(link.node, "text", "") if link is not None else ""
     count = len(unwritten)
+    source_text = Sentence("check.in_brackets", " ({text})", text=where) if where else ""
     entry.report.error(
         unwritten[0].place,
         entry.path,
-        f"{TO_FILL} stands here{f' and {count - 1} times more' if count > 1 else ''}: write the"
-        f" wording of its authors instead{f' ({where})' if where else ''}",
+        Sentence(
+            "questionnaires.to_fill",
+            "{mark} stands here: write the wording of its authors instead{source}",
+            mark=TO_FILL,
+            source=source_text,
+        )
+        if count == 1
+        else Sentence(
+            "questionnaires.to_fill_more",
+            "{mark} stands here and {number} times more: write the wording of its authors"
+            " instead{source}",
+            mark=TO_FILL,
+            number=count - 1,
+            source=source_text,
+        ),
     )
 
 

@@ -23,7 +23,7 @@ from woz_tui.config.annotated_decoder import read_entries
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import FeatureSection, FileContents, FileSurroundings
 from woz_tui.config.languages import DEFAULT, Language
-from woz_tui.config.reload_changes import changed_entries
+from woz_tui.config.reload_changes import changed_entries, section_changed
 from woz_tui.config.yaml_cursor import Cursor, check_different, missing, read_filled
 from woz_tui.drivers.contract import KEPT
 from woz_tui.drivers.fields import Doc, Entry, NotBlank, NotEmpty, OneOf, ReadApart
@@ -45,6 +45,7 @@ from woz_tui.features.questionnaires.item_entries import (
 )
 from woz_tui.features.questionnaires.questionnaire_files import QuestionnaireFiles
 from woz_tui.features.questionnaires.score_entries import ScoreEntry, read_scores
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.protocol.welcome import (
     ENGLISH,
     Questionnaire,
@@ -57,7 +58,7 @@ from woz_tui.protocol.welcome import (
 class InstrumentEntry(Entry):
     """Where a questionnaire comes from."""
 
-    what = "the source of a questionnaire"
+    what = Sentence("questionnaires.a_source", "the source of a questionnaire")
     example = "{citation: ..., terms: ...}"
     citation: Annotated[str, NotBlank(), Doc("as a paper names it")]
     link: Annotated[str, NotBlank(), Doc("where it is found")] = ""
@@ -69,7 +70,7 @@ class InstrumentEntry(Entry):
 class QuestionnaireEntry(Entry):
     """A questionnaire as a file gives it."""
 
-    what = "a questionnaire"
+    what = Sentence("questionnaires.a_questionnaire", "a questionnaire")
     example = "{title: ..., items: [...]}"
     either = ("title", "name", "file")
     file: Annotated[
@@ -158,9 +159,11 @@ class QuestionnaireSection(FeatureSection[Asked]):
 
     def changes(self, old: Asked, new: Asked) -> Iterable[str]:
         if old.words != new.words:
-            yield "words changed"
+            yield section_changed("words")
         before, after = ({one.name: one for one in each.questionnaires} for each in (old, new))
-        yield from changed_entries("questionnaire", before, after)
+        yield from changed_entries(
+            Sentence("reload.a_questionnaire", "questionnaire"), before, after
+        )
 
     def study(self, section: Asked) -> Mapping[str, Any]:
         return {"questionnaires": [*section.questionnaires], "words": section.words}
@@ -234,10 +237,14 @@ def read_questionnaires(cursor: Cursor | None, code: str = DEFAULT) -> tuple[Que
     """
     found = [
         (entry, _questionnaire(entry, read, code))
-        for entry, read in read_entries(cursor, "a list of questionnaires", QuestionnaireEntry)
+        for entry, read in read_entries(
+            cursor, Sentence("questionnaires.list", "a list of questionnaires"), QuestionnaireEntry
+        )
     ]
     named = [(entry, each.name) for entry, each in found]
-    check_different(named, "a questionnaire", ("name", "title"))
+    check_different(
+        named, Sentence("questionnaires.a_questionnaire", "a questionnaire"), ("name", "title")
+    )
     return tuple(sorted((each for _, each in found), key=_asked_last))
 
 
@@ -255,11 +262,20 @@ def _questionnaire(cursor: Cursor, entry: QuestionnaireEntry, code: str) -> Ques
     scale = read_scale(table.get("scale"), entry.scale, Scale())
     defaults = ItemDefaults(scale, entry.stem, entry.required or "required", shuffled)
     if "items" not in table and "file" not in table:
-        missing({}, "items", cursor, "questions, in this order")
+        missing(
+            {},
+            "items",
+            cursor,
+            Sentence("questionnaires.in_this_order", "questions, in this order"),
+        )
     items = read_items(table.get("items"), defaults, code)
     scores = read_scores(table.get("scores"), items)
     if entry.role == SUSPICION and entry.when not in ("end", "hand"):
-        table["when"].error("a suspicion check is asked at the end, or by hand")
+        table["when"].error(
+            Sentence(
+                "questionnaires.suspicion_when", "a suspicion check is asked at the end, or by hand"
+            )
+        )
     languages = languages_of(cursor, [item.cursor for item in items], code)
 
     first, *others = (
@@ -291,8 +307,11 @@ def _without_a_design(cursor: Cursor | None) -> None:
         when = dict(entry.entries()).get("when")
         if when is not None and getattr(when.node, "text", "") == "condition":
             when.warning(
-                "without a design, the last trial of a condition is unknown;"
-                " add design: {trials: ...}, or start it by hand: when: hand"
+                Sentence(
+                    "questionnaires.last_trial_unknown",
+                    "without a design, the last trial of a condition is unknown; add"
+                    " design: {{trials: ...}}, or start it by hand: when: hand",
+                )
             )
 
 
@@ -304,7 +323,14 @@ def read_words(language: Language) -> QuestionnaireWords:
     words: dict[str, str] = {}
     fields = QuestionnaireWords.__struct_fields__
     for section in language.section("questionnaire"):
-        table = section.fields(fields, "words are", "words by their names") or {}
+        table = (
+            section.fields(
+                fields,
+                Sentence("questionnaires.words_are", "words are"),
+                Sentence("questionnaires.words", "words by their names"),
+            )
+            or {}
+        )
         for name in (name for name in table if name in fields):
             text = read_filled(table[name])
             if text is not None and _fits(table[name], text, getattr(ENGLISH, name)):
@@ -321,6 +347,14 @@ def _fits(cursor: Cursor, text: str, english: str) -> bool:
         wanted = {""}
     if wanted <= known:
         return True
-    allowed = ", ".join(f"{{{name}}}" for name in sorted(known)) or "nothing"
-    cursor.error(f"between braces may stand here: {allowed}")
+    allowed = ", ".join(f"{{{name}}}" for name in sorted(known)) or Sentence(
+        "check.found_nothing", "nothing"
+    )
+    cursor.error(
+        Sentence(
+            "questionnaires.braces_allowed",
+            "between braces may stand here: {allowed}",
+            allowed=allowed,
+        )
+    )
     return False

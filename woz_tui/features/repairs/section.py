@@ -68,7 +68,11 @@ class RepairSection(FeatureSection[tuple[Action, ...]]):
         differing = any(says_by_condition(action, variables) for action in others)
         if all(verb.name != SAY for verb in contents.verbs):
             if cursor is not None and contents.complete:
-                cursor.error(f"no driver of this robot offers {SAY!r}")
+                cursor.error(
+                    Sentence(
+                        "repairs.cannot_say", "no driver of this robot offers {verb!r}", verb=SAY
+                    )
+                )
             return ()
         spoken = list(_spoken(cursor, contents)) if cursor is not None else []
         same = [
@@ -79,8 +83,12 @@ class RepairSection(FeatureSection[tuple[Action, ...]]):
         ]
         if differing and same and cursor is not None:
             cursor.warning(
-                f"{', '.join(same)}: the same in every condition, while other sentences of this"
-                " file differ; write {yes: {CONDITION: ...}}"
+                Sentence(
+                    "repairs.same_everywhere",
+                    "{names}: the same in every condition, while other sentences of this"
+                    " file differ; write {{yes: {{CONDITION: ...}}}}",
+                    names=", ".join(same),
+                )
             )
         found = [_action(REPEAT, contents.place)]
         if variants and cursor is not None:
@@ -92,7 +100,7 @@ class RepairSection(FeatureSection[tuple[Action, ...]]):
 
     def changes(self, old: tuple[Action, ...], new: tuple[Action, ...]) -> Iterable[str]:
         before, after = ({each.label: essences(each) for each in some} for some in (old, new))
-        return changed_entries("repair", before, after)
+        return changed_entries(Sentence("reload.a_repair", "repair"), before, after)
 
     def schemas(self) -> Mapping[str, Any]:
         english = Language(None, Path(), []).sentences("repairs", SPOKEN)
@@ -120,7 +128,14 @@ class RepairSection(FeatureSection[tuple[Action, ...]]):
 
 
 def _spoken(cursor: Cursor, contents: FileContents) -> Iterator[Action]:
-    table = cursor.fields(FIELDS, "repairs have", "a mapping, such as {language: en}") or {}
+    table = (
+        cursor.fields(
+            FIELDS,
+            Sentence("repairs.repairs_have", "repairs have"),
+            Sentence("repairs.settings", "a mapping, such as {{language: en}}"),
+        )
+        or {}
+    )
     language = table.get("language")
     chosen = contents.language if language is None else contents.language.other(language)
     lines = chosen.sentences("repairs", SPOKEN)

@@ -12,9 +12,11 @@ from typing import Annotated
 from woz_tui.config.action_names import check_actions
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import FeatureSection, FileContents
+from woz_tui.config.reload_changes import section_changed
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.fields import Doc
 from woz_tui.features.phases.section import PHASES
+from woz_tui.protocol.sentence import Sentence
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,9 +41,14 @@ class ScriptSection(FeatureSection[tuple[str, ...]]):
 
     def changes(self, old: tuple[str, ...], new: tuple[str, ...]) -> Iterable[str]:
         if len(old) != len(new):
-            yield f"script has {len(new)} lines, it had {len(old)}"
+            yield Sentence(
+                "reload.script_lines",
+                "script has {now} lines, it had {was}",
+                now=len(new),
+                was=len(old),
+            )
         elif old != new:
-            yield "script changed"
+            yield section_changed("script")
 
     def all_of(self, experiment: Experiment) -> dict[str, Sequence[str]]:
         """The lines of all scripts, by the phase whose each is; empty: the file's own."""

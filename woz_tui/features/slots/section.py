@@ -25,6 +25,7 @@ from woz_tui.drivers.fields import Doc, Entry, OneOf, ReadApart, Unique
 from woz_tui.features.phases.section import PHASES
 from woz_tui.features.slots.slot_value import SlotValueError, checked_value
 from woz_tui.protocol.envelope import Json
+from woz_tui.protocol.sentence import Sentence, said_by
 
 #: Offers that have a digit.
 MOST_OFFERS = 9
@@ -36,7 +37,7 @@ KEEPS = ("no", "trial", "participant")
 class Slot(Entry):
     """A slot of sentences. `keep`: for how long a value is not asked for again."""
 
-    what = "a slot"
+    what = Sentence("slots.a_slot", "a slot")
     example = "{offer: [red, blue]}"
     offer: Annotated[
         tuple[str, ...], Unique(), Doc("values that have a digit each, nine at the most")
@@ -83,7 +84,7 @@ class SlotSection(FeatureSection[Slots]):
         }
 
     def changes(self, old: Slots, new: Slots) -> Iterable[str]:
-        return changed_entries("slot", old, new)
+        return changed_entries(Sentence("reload.a_slot", "slot"), old, new)
 
     def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         for name, slot in self.of(experiment).items():
@@ -122,11 +123,17 @@ class _Reader(SlotSection):
         used = {name for action in experiment.actions for name in slots_of(action, slots)}
         for name, entry in _entries(table).items():
             if name in slots and name not in used:
-                entry.warning(f"no sentence has {{{name}}}")
+                entry.warning(Sentence("slots.unused", "no sentence has {{{name}}}", name=name))
         beside = [each for each in experiment.beside_panels if slots_of(each, slots)]
         for action in beside:
             entry = table.get(action.panel.lower(), table["slots"])
-            entry.error(f"{quoted(action.label)} cannot have a slot: its key plays it at once")
+            entry.error(
+                Sentence(
+                    "slots.played_at_once",
+                    "{label} cannot have a slot: its key plays it at once",
+                    label=quoted(action.label),
+                )
+            )
         for action, who in _unasked(experiment, self._robots):
             _warn_of(action, who, slots, table["slots"] if slots else None)
 
@@ -141,9 +148,20 @@ def _entries(table: Mapping[str, Cursor]) -> dict[str, Cursor]:
 def _slot(name: str, cursor: Cursor, taken: Collection[str]) -> Slot | None:
     slot = read_partly(cursor, Slot)
     if not utterance_template.NAME.fullmatch(name):
-        cursor.error("a slot's name can have letters, digits and _, and cannot begin with a digit")
+        cursor.error(
+            Sentence(
+                "slots.slot_name",
+                "a slot's name can have letters, digits and _, and cannot begin with a digit",
+            )
+        )
     elif name in taken:
-        cursor.error(f"there is a variable {name!r} already; choose another name")
+        cursor.error(
+            Sentence(
+                "slots.variable_taken",
+                "there is a variable {name!r} already; choose another name",
+                name=name,
+            )
+        )
     if slot is None:
         return None
     offers = dict(cursor.entries()).get("offer", cursor)
@@ -151,9 +169,20 @@ def _slot(name: str, cursor: Cursor, taken: Collection[str]) -> Slot | None:
         try:
             checked_value(offer)
         except SlotValueError as error:
-            offers.error(f"{quoted(offer)} {error}")
+            offers.error(
+                Sentence(
+                    "slots.value_is_wrong", "{value} {why}", value=quoted(offer), why=said_by(error)
+                )
+            )
     if len(slot.offer) > MOST_OFFERS:
-        offers.error(f"has {len(slot.offer)} values; {MOST_OFFERS} have a digit")
+        offers.error(
+            Sentence(
+                "slots.too_many_offers",
+                "has {number} values; {most} have a digit",
+                number=len(slot.offer),
+                most=MOST_OFFERS,
+            )
+        )
     return slot
 
 
@@ -163,21 +192,31 @@ def _unasked(experiment: Experiment, robots: Robots) -> Iterator[tuple[Action, s
     for phase in PHASES.of(experiment):
         for name in phase.on_enter:
             if name in names:
-                yield names[name], f"the phase {phase.name!r} begins"
+                yield (
+                    names[name],
+                    Sentence("slots.phase_begins", "the phase {phase!r} begins", phase=phase.name),
+                )
     if (engagement := experiment.engagement) is not None:
         for state, action in engagement.effects.items():
-            yield action, f"the engagement model enters {state}"
+            yield action, _enters(state)
         for state, plays in engagement.plays.items():
             for name in plays:
                 if name in names:
-                    yield names[name], f"the engagement model enters {state}"
+                    yield names[name], _enters(state)
     for asking in robots.asking:
         for _, ask in asking.spec.offer.asks:
             found = [names[ask.name]] if ask.what == "action" and ask.name in names else []
             if ask.what == "key":
                 found = actions_on(ask.name, [*names.values()], experiment.keyboard)
             for action in found:
-                yield action, f"{asking.spec.name} asks for it"
+                yield (
+                    action,
+                    Sentence("slots.driver_asks", "{driver} asks for it", driver=asking.spec.name),
+                )
+
+
+def _enters(state: str) -> Sentence:
+    return Sentence("slots.model_enters", "the engagement model enters {state}", state=state)
 
 
 def _warn_of(action: Action, who: str, slots: Slots, cursor: Cursor | None) -> None:
@@ -186,13 +225,24 @@ def _warn_of(action: Action, who: str, slots: Slots, cursor: Cursor | None) -> N
         return
     words = ", ".join(f"{{{name}}}" for name in needed)
     never = [name for name in needed if not slots[name].is_kept]
-    always = f"keep: participant lets {', '.join(never)} be filled in before" if never else ""
-    rest = always or "fill it in at a console before"
+    rest = Sentence("slots.fill_in_before", "fill it in at a console before")
+    if never:
+        rest = Sentence(
+            "slots.keep_participant",
+            "keep: participant lets {names} be filled in before",
+            names=", ".join(never),
+        )
     cursor.report.warning(
         action.place,
         cursor.path,
-        f"{quoted(action.label)} is refused when {who}, unless {words} was kept: nobody is asked"
-        f" there; {rest}",
+        Sentence(
+            "slots.nobody_asked",
+            "{label} is refused when {who}, unless {words} was kept: nobody is asked there; {rest}",
+            label=quoted(action.label),
+            who=who,
+            words=words,
+            rest=rest,
+        ),
     )
 
 

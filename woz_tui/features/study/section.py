@@ -21,6 +21,7 @@ from woz_tui.drivers.fields import Doc, ReadApart
 from woz_tui.features.study.counterbalancing import Order, block_size, letters, planned, rows
 from woz_tui.features.study.design import BLOCKS, FIXED, LATIN_SQUARE, Design, DesignEntry
 from woz_tui.protocol.envelope import Json
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.protocol.welcome import DesignView
 
 #: So many orders are listed; the rest is counted.
@@ -84,7 +85,12 @@ DESIGN = DesignSection(DesignKeys, None)
 
 def _read(cursor: Cursor, conditions: Sequence[str]) -> Design | None:
     """None if it is wrong, which has been reported then."""
-    if cursor.table("a mapping, such as {order: latin-square, trials: 3}") is None:
+    if (
+        cursor.table(
+            Sentence("study.design", "a mapping, such as {{order: latin-square, trials: 3}}")
+        )
+        is None
+    ):
         return None
     entries = dict(cursor.entries())
     entry: Any = read_settings(cursor, DesignEntry)
@@ -106,15 +112,38 @@ def _problems(design: Design, conditions: Sequence[str]) -> Iterator[tuple[str, 
     if design.order == "latin-square" and not design.within:
         yield (
             "order",
-            "with one condition for each participant there is no order; write order: blocks",
+            Sentence(
+                "study.order_of_one",
+                "with one condition for each participant there is no order; write order: blocks",
+            ),
         )
     elif count < 2 and (design.order != "fixed" or not design.within):
-        instead = f"write order: fixed{'' if design.within else ' without within: false'}"
-        yield "order", f"needs at least two conditions, not {count}; list more, or {instead}"
+        yield (
+            "order",
+            Sentence(
+                "study.two_conditions_fixed",
+                "needs at least two conditions, not {number}; list more, or write order: fixed",
+                number=count,
+            )
+            if design.within
+            else Sentence(
+                "study.two_conditions_between",
+                "needs at least two conditions, not {number}; list more, or write order: fixed"
+                " without within: false",
+                number=count,
+            ),
+        )
     if design.block is not None and design.order != "blocks":
-        yield "block", "only order: blocks has blocks"
+        yield "block", Sentence("study.no_blocks", "only order: blocks has blocks")
     elif design.block is not None and count and design.block % count:
-        yield "block", f"must be a multiple of the number of conditions, {count}"
+        yield (
+            "block",
+            Sentence(
+                "study.no_multiple",
+                "must be a multiple of the number of conditions, {number}",
+                number=count,
+            ),
+        )
 
 
 def _labels(cursor: Cursor | None, conditions: Sequence[str], seed: int) -> dict[str, str]:
@@ -123,15 +152,20 @@ def _labels(cursor: Cursor | None, conditions: Sequence[str], seed: int) -> dict
         return {}
     if isinstance(cursor.node, ScalarNode):
         if cursor.node.text.lower() not in ("true", "yes", "on", "false", "no", "off"):
-            cursor.wrong("true, or a label for each condition")
+            cursor.wrong(Sentence("study.blind", "true, or a label for each condition"))
             return {}
         if not read_flag(cursor):
             return {}
         if not conditions:
-            cursor.error("hides the conditions, but the file has none; add conditions: [...]")
+            cursor.error(
+                Sentence(
+                    "study.hides_nothing",
+                    "hides the conditions, but the file has none; add conditions: [...]",
+                )
+            )
         return letters(conditions, seed)
     if not isinstance(cursor.node, MappingNode):
-        cursor.wrong("true, or a label for each condition")
+        cursor.wrong(Sentence("study.blind", "true, or a label for each condition"))
         return {}
     labels = texts(cursor, conditions)
     first: dict[str, str] = {}
@@ -140,13 +174,24 @@ def _labels(cursor: Cursor | None, conditions: Sequence[str], seed: int) -> dict
         if label is None:
             continue
         if not label.strip():
-            entry.error("is empty")
+            entry.error(Sentence("check.empty", "is empty"))
         elif label in conditions:
             entry.error(
-                f"{quoted(label)} is a condition's name; choose a label that does not reveal it"
+                Sentence(
+                    "study.label_reveals",
+                    "{label} is a condition's name; choose a label that does not reveal it",
+                    label=quoted(label),
+                )
             )
         elif label in first:
-            entry.error(f"{quoted(label)} is the label of {quoted(first[label])} already")
+            entry.error(
+                Sentence(
+                    "study.label_taken",
+                    "{label} is the label of {first} already",
+                    label=quoted(label),
+                    first=quoted(first[label]),
+                )
+            )
         first.setdefault(label, condition)
     return labels
 

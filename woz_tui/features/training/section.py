@@ -11,6 +11,7 @@ import msgspec
 from woz_tui.config.action_names import check_actions
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import FeatureSection, FileContents
+from woz_tui.config.reload_changes import section_changed
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.drivers.fields import (
     Doc,
@@ -22,6 +23,7 @@ from woz_tui.drivers.fields import (
     Seconds,
 )
 from woz_tui.protocol.messages import Json
+from woz_tui.protocol.sentence import Sentence
 
 #: What a simulated visitor can do that wants an answer.
 CUES = ("approach", "question", "silence", "turn-away", "leave")
@@ -43,18 +45,18 @@ _Window = Annotated[float, Seconds(0.5, 60), Doc("time limit for the answer, in 
 class TrainingCue(Entry):
     """Something the simulated visitor does, and the actions that answer it rightly."""
 
-    what = "a cue"
+    what = Sentence("training.a_cue", "a cue")
     example = "{cue: question, answers: [...]}"
     cue: Annotated[str, OneOf(CUES), Doc("what the visitor does")]
     answers: Annotated[
         tuple[str, ...],
-        OneOrMore("the name of an action"),
-        NotEmpty("an action is missing here"),
+        OneOrMore(Sentence("check.action_name", "the name of an action")),
+        NotEmpty(Sentence("check.action_missing", "an action is missing here")),
         Doc("names of the correct actions"),
     ]
     says: Annotated[
         tuple[str, ...],
-        OneOrMore("what the visitor says"),
+        OneOrMore(Sentence("training.visitor_says", "what the visitor says")),
         Doc("what the visitor says; one of several"),
     ] = ()
     #: None: as the section says.
@@ -68,7 +70,10 @@ class Training:
     cues: Annotated[
         tuple[TrainingCue, ...],
         NotEmpty(
-            "the list has no cue; add one, or remove cues: they are then made from the actions"
+            Sentence(
+                "training.no_cues",
+                "the list has no cue; add one, or remove cues: they are then made from the actions",
+            )
         ),
         Doc("what the visitor does, and which actions answer it"),
     ] = ()
@@ -95,12 +100,12 @@ class TrainingSection(FeatureSection[Training]):
         cues = dict(section.entries()).get("cues") if section is not None else None
         for entry in cues.items() if cues is not None else ():
             answers = dict(entry.entries()).get("answers")
-            check_actions(answers, contents.actions, "be an answer")
+            check_actions(answers, contents.actions, answers=True)
         return file.training
 
     def changes(self, old: Training, new: Training) -> Iterable[str]:
         if old != new:
-            yield "training changed"
+            yield section_changed("training")
 
     def summary(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         section = self.of(experiment)

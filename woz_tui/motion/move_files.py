@@ -27,6 +27,7 @@ from woz_tui.config.yaml_cursor import (
     Cursor,
     document,
     missing,
+    range_text,
     read_number,
     read_seconds,
     read_text,
@@ -48,6 +49,7 @@ from woz_tui.motion.keyframes import (
     MoveLayer,
 )
 from woz_tui.motion.move_limits import shortfalls
+from woz_tui.protocol.sentence import Sentence
 
 #: Degrees that a frame may name at most, and seconds or beats it may take.
 ANGLES = Range(-360, 360, "deg")
@@ -63,7 +65,9 @@ MAIN = "main"
 LONGEST = 120.0
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
-NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
+NAME_RULE = Sentence(
+    "check.name_rule", "a name has letters, digits, _ and -, and begins with a letter"
+)
 _ENDINGS = (".yaml", ".yml")
 _SAMPLE = re.compile(r"[-+]?(\d{1,9}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,3})?")
 
@@ -111,7 +115,8 @@ class FrameEntry(RoleAngles):
     def warnings(self) -> list[tuple[str, str]]:
         """A volume without a sound."""
         silent = self.volume != 1.0 and not self.sound
-        return [("volume", "there is no sound in this frame")] if silent else []
+        silence = Sentence("move.silent", "there is no sound in this frame")
+        return [("volume", silence)] if silent else []
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,13 +163,17 @@ class MoveLayerReader:
 
     def read(self, cursor: Cursor) -> tuple[KeyFrame, ...]:
         """All frames that are right."""
-        entries = cursor.list("a list of frames, such as [{seconds: 0.3, nod: 12}]")
+        entries = cursor.list(
+            Sentence("move.frames_listed", "a list of frames, such as [{{seconds: 0.3, nod: 12}}]")
+        )
         if entries is not None and not entries:
-            cursor.error("no frame stands here")
+            cursor.error(Sentence("move.no_frame", "no frame stands here"))
         frames: list[KeyFrame] = []
         before = 0.0
         for index, entry in enumerate(entries or ()):
-            table = entry.table("a frame, such as {seconds: 0.3, nod: 12}")
+            table = entry.table(
+                Sentence("move.a_frame", "a frame, such as {{seconds: 0.3, nod: 12}}")
+            )
             if table is None:
                 continue
             place = self._place(entry, table, before, first=index == 0)
@@ -181,24 +190,54 @@ class MoveLayerReader:
         unit, other = ("beats", "seconds") if self._beats else ("seconds", "beats")
         if (wrong := table.get(other)) is not None:
             text = "true" if self._beats else "false"
-            wrong.error(f"this move counts {unit} (beats: {text}); write {unit} here")
+            wrong.error(
+                Sentence(
+                    "move.counts_units",
+                    "this move counts {unit} (beats: {text}); write {unit} here",
+                    unit=unit,
+                    text=text,
+                )
+            )
             return None
         took, at = table.get(unit), table.get("at")
         if took is not None and at is not None:
-            at.error(f"write either {unit}, from the frame before, or at, from the beginning")
+            at.error(
+                Sentence(
+                    "move.place_twice",
+                    "write either {unit}, from the frame before, or at, from the beginning",
+                    unit=unit,
+                )
+            )
             return None
         if at is not None:
             moment = self._duration(at)
             if moment is not None and moment <= before and not (first and moment >= 0):
-                at.error(f"{moment:g} is not after the frame before, which is at {before:g}")
+                at.error(
+                    Sentence(
+                        "move.not_after",
+                        "{moment:g} is not after the frame before, which is at {before:g}",
+                        moment=moment,
+                        before=before,
+                    )
+                )
                 return None
             return None if moment is None else round(moment, PLACE_DECIMALS)
         if took is None:
-            missing(table, unit, cursor, "how long it takes from the frame before")
+            missing(
+                table,
+                unit,
+                cursor,
+                Sentence("move.how_long", "how long it takes from the frame before"),
+            )
             return None
         length = self._duration(took)
         if length is not None and length <= 0 and not first:
-            took.error("must be more than 0; only the first frame may be at the very beginning")
+            took.error(
+                Sentence(
+                    "move.more_than_zero",
+                    "must be more than 0; only the first frame may be at the very beginning",
+                )
+            )
             return None
         return None if length is None else round(before + length, PLACE_DECIMALS)
 
@@ -211,7 +250,9 @@ class MoveLayerReader:
         others = ("seconds", "beats", "at", "joints", *self._inline)
         entry = read_section(cursor, FrameEntry, others)
         joints = {name: table[name] for name in self._inline if name in table}
-        joints |= _entries_named(table.get("joints"), self._joints, "joints are")
+        joints |= _entries_named(
+            table.get("joints"), self._joints, Sentence("move.joints_are", "joints are")
+        )
         angles = {name: self._angle(spot, name) for name, spot in joints.items()}
         if entry is None:
             return None
@@ -245,14 +286,24 @@ class MoveLayerReader:
         for angle in angles:
             if not self._relative and not joint.min <= angle <= joint.max:
                 cursor.error(
-                    f"{angle:g} lies outside the joint's range,"
-                    f" {joint.min:g} to {joint.max:g} degrees"
+                    Sentence(
+                        "move.outside_joint",
+                        "{angle:g} lies outside the joint's range, {low:g} to {high:g} degrees",
+                        angle=angle,
+                        low=joint.min,
+                        high=joint.max,
+                    )
                 )
                 return
             if self._relative and abs(angle) > joint.max - joint.min:
                 cursor.warning(
-                    f"{angle:g} degrees are more than {name!r} can turn in all"
-                    f" ({joint.max - joint.min:g})"
+                    Sentence(
+                        "move.more_than_joint",
+                        "{angle:g} degrees are more than {name!r} can turn in all ({range:g})",
+                        angle=angle,
+                        name=name,
+                        range=joint.max - joint.min,
+                    )
                 )
                 return
 
@@ -262,13 +313,23 @@ class MoveLayerReader:
         """The dense part of a layer; None if it has none."""
         if not table.keys() & {"joints", "roles", "face"}:
             if "rate" in table:
-                table["rate"].error("there are no samples: joints, roles or face are missing")
+                table["rate"].error(
+                    Sentence(
+                        "move.no_samples", "there are no samples: joints, roles or face are missing"
+                    )
+                )
             return None
-        missing(table, "rate", cursor, "samples each second, or beat")
-        roles = _lists(table.get("roles"), dict.fromkeys(ROLES, ANGLES), "roles are")
+        missing(
+            table, "rate", cursor, Sentence("move.samples_rate", "samples each second, or beat")
+        )
+        roles = _lists(
+            table.get("roles"),
+            dict.fromkeys(ROLES, ANGLES),
+            Sentence("move.roles_are", "roles are"),
+        )
         face = _lists(table.get("face"), FEATURE_RANGES, "samples of a face are")
         known = dict.fromkeys(self._joints, ANGLES)
-        joints = _lists(table.get("joints"), known, "joints are")
+        joints = _lists(table.get("joints"), known, Sentence("move.joints_are", "joints are"))
         for name, values in joints.items():
             entry = dict(table["joints"].entries())[name]
             self._check(entry, name, self._joints[name], values)
@@ -279,7 +340,9 @@ def _entries_named(
     cursor: Cursor | None, names: Collection[str], listing: str
 ) -> dict[str, Cursor]:
     """The entries of a mapping that have one of these names; others are reported."""
-    table = (cursor.table("a mapping") if cursor is not None else None) or {}
+    table = (
+        cursor.table(Sentence("check.a_mapping", "a mapping")) if cursor is not None else None
+    ) or {}
     for name, entry in table.items():
         if name not in names:
             entry.unknown(names, listing)
@@ -300,15 +363,32 @@ def _numbers(cursor: Cursor, allowed: Range) -> tuple[float, ...]:
     """A list of numbers, or a text of numbers with blanks between them."""
     if isinstance(cursor.node, ListNode):
         if not cursor.node.nodes:
-            cursor.error("no number stands here")
+            cursor.error(Sentence("move.no_numbers", "no number stands here"))
         numbers = [read_number(entry, allowed) for entry in cursor.items()]
         return tuple(number for number in numbers if number is not None)
     values = []
-    for index, word in enumerate((read_text(cursor, "numbers") or "").split()):
+    for index, word in enumerate(
+        (read_text(cursor, Sentence("move.numbers", "numbers")) or "").split()
+    ):
         number = float(word) if _SAMPLE.fullmatch(word) else None
         if number is None or not allowed.contains(number):
-            wrong = "is no number" if number is None else f"is out of range; allowed is {allowed}"
-            cursor.error(f"sample {index + 1}: {quoted(word)} {wrong}")
+            where, said = index + 1, quoted(word)
+            cursor.error(
+                Sentence(
+                    "move.sample_no_number",
+                    "sample {number}: {text} is no number",
+                    number=where,
+                    text=said,
+                )
+                if number is None
+                else Sentence(
+                    "move.sample_out_of_range",
+                    "sample {number}: {text} is out of range; allowed is {allowed}",
+                    number=where,
+                    text=said,
+                    allowed=range_text(allowed),
+                )
+            )
             return ()
         values.append(number)
     return tuple(values)
@@ -371,7 +451,16 @@ def read_folder(folder: Path, shape: BodyShape) -> MoveFolder:
             continue
         if move.name in moves:
             place = report.place("name", str(path))
-            report.error(place, "name", f"{quoted(move.name)} is the move of {where[move.name]}")
+            report.error(
+                place,
+                "name",
+                Sentence(
+                    "move.taken",
+                    "{name} is the move of {file}",
+                    name=quoted(move.name),
+                    file=where[move.name],
+                ),
+            )
         moves.setdefault(move.name, move)
         where.setdefault(move.name, path.name)
     return MoveFolder(moves, (*report.errors, *report.warnings), tuple(sources))
@@ -399,7 +488,7 @@ def read_move_text(text: str, shape: BodyShape) -> KeyframeMove:
     except SourceFileError as error:
         place = FilePosition("move", error.line, error.column)
         raise MoveFileError([Problem(place, "move", error.message)]) from error
-    root = document(source, report, "a move, such as name: greet")
+    root = document(source, report, Sentence("move.a_move", "a move, such as name: greet"))
     if root is not None:
         move = decode(root, path, shape)
     if move is None or report.errors:
@@ -411,7 +500,7 @@ def _root(path: Path, report: ProblemReport) -> tuple[SourceFile | None, Cursor 
     source = source_of(path, report)
     if source is None:
         return None, None
-    return source, document(source, report, "a move, such as name: greet")
+    return source, document(source, report, Sentence("move.a_move", "a move, such as name: greet"))
 
 
 def decode(root: Cursor, path: Path, shape: BodyShape) -> KeyframeMove | None:
@@ -430,10 +519,19 @@ def decode(root: Cursor, path: Path, shape: BodyShape) -> KeyframeMove | None:
     if len(root.report.errors) > broken or timed is None:
         return None
     if move.length <= 0:
-        timed.error("takes no time; a frame after the beginning is missing")
+        timed.error(
+            Sentence("move.takes_no_time", "takes no time; a frame after the beginning is missing")
+        )
         return None
     if move.length > LONGEST and not move.beats:
-        timed.warning(f"takes {move.length:g} s; play waits for {LONGEST:g} s at most")
+        timed.warning(
+            Sentence(
+                "move.takes_long",
+                "takes {length:g} s; play waits for {longest:g} s at most",
+                length=move.length,
+                longest=LONGEST,
+            )
+        )
     else:
         _warn_of_shortfalls(table, move, shape)
     return move
@@ -451,16 +549,31 @@ def _warn_of_shortfalls(table: Mapping[str, Cursor], move: KeyframeMove, shape: 
     for each in shortfalls(move, shape):
         listed = frames.get(each.layer)
         if listed is not None:
-            [*listed.items()][each.frame - 1].warning(str(each))
+            [*listed.items()][each.frame - 1].warning(each.sentence)
 
 
 def _move_name(cursor: Cursor | None, root: Cursor, path: Path) -> str:
-    name = path.stem if cursor is None else read_text(cursor, "the move's name")
+    name = (
+        path.stem
+        if cursor is None
+        else read_text(cursor, Sentence("move.name_expected", "the move's name"))
+    )
     cursor = cursor or root
     if name is not None and not NAME.fullmatch(name):
-        cursor.error(f"{quoted(name)} cannot be a move's name; {NAME_RULE}")
+        cursor.error(
+            Sentence(
+                "move.not_a_name",
+                "{name} cannot be a move's name; {rule}",
+                name=quoted(name),
+                rule=NAME_RULE,
+            )
+        )
     elif name in BUILT_IN:
-        cursor.warning(f"takes the place of the built-in move {name!r}")
+        cursor.warning(
+            Sentence(
+                "move.replaces_built_in", "takes the place of the built-in move {name!r}", name=name
+            )
+        )
     return name or ""
 
 
@@ -473,19 +586,30 @@ def _layers(
         reader = MoveLayerReader(shape, beats=move.beats, relative=move.relative)
         layers.append(MoveLayer(MAIN, reader.read(frames), relative=move.relative))
     elif many is None:
-        missing({}, "frames", root, "frames: [{seconds: 0.3, nod: 12}, ...]")
-    for entry in (many.list("a list of layers") if many is not None else None) or ():
+        missing(
+            {},
+            "frames",
+            root,
+            Sentence("move.frames_example", "frames: [{{seconds: 0.3, nod: 12}}, ...]"),
+        )
+    for entry in (
+        many.list(Sentence("move.layers", "a list of layers")) if many is not None else None
+    ) or ():
         layer = _layer(entry, move, shape)
         if layer is None:
             continue
         if layer.name in [known.name for known in layers]:
-            entry.error(f"there is a layer {quoted(layer.name)} already")
+            entry.error(
+                Sentence(
+                    "move.layer_taken", "there is a layer {name} already", name=quoted(layer.name)
+                )
+            )
         layers.append(layer)
     return layers
 
 
 def _layer(cursor: Cursor, move: MoveEntry, shape: BodyShape) -> MoveLayer | None:
-    table = cursor.table("a layer, such as {name: head, frames: [...]}")
+    table = cursor.table(Sentence("move.a_layer", "a layer, such as {{name: head, frames: [...]}}"))
     if table is None:
         return None
     entry = read_section(cursor, LayerEntry, ("frames", "joints", "roles", "face"))
@@ -494,9 +618,20 @@ def _layer(cursor: Cursor, move: MoveEntry, shape: BodyShape) -> MoveLayer | Non
     frames = reader.read(table["frames"]) if "frames" in table else ()
     samples = reader.samples(cursor, table, entry.rate if entry and entry.rate else 1.0)
     if "frames" not in table and samples is None:
-        cursor.error("has neither frames nor samples (rate and joints, roles or face)")
+        cursor.error(
+            Sentence(
+                "move.layer_empty",
+                "has neither frames nor samples (rate and joints, roles or face)",
+            )
+        )
     for twice in reader.named & ({*samples.roles, *samples.joints} if samples else set()):
-        cursor.error(f"{twice} is in this layer's frames and in its samples; use two layers")
+        cursor.error(
+            Sentence(
+                "move.twice_in_layer",
+                "{twice} is in this layer's frames and in its samples; use two layers",
+                twice=twice,
+            )
+        )
     if entry is None:
         return None
     return MoveLayer(entry.name, frames, samples, relative, entry.mix, entry.share, entry.muted)

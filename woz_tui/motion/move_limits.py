@@ -11,6 +11,7 @@ from woz_tui.motion.body_shape import BodyShape
 from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, MoveLayer
 from woz_tui.motion.pose_sources import MovePlayback, SourceContext
 from woz_tui.motion.safety import LimitedJoint, Limits
+from woz_tui.protocol.sentence import Sentence
 
 #: Steps a second in which a move is looked at.
 RATE = 100
@@ -47,21 +48,44 @@ class Shortfall:
     goal: float | None = None
     end: float = 0.0
 
-    def __str__(self) -> str:
+    @property
+    def sentence(self) -> Sentence:
+        """Why, and how far it gets."""
         if self.goal is not None:
-            return (
-                f"wants {self.joint} at {self.goal:.0f} degrees from the home pose, but its range"
-                f" ends at {self.end:g}: it gets {self.reached:.0f} of {self.way:.0f} degrees far"
+            return Sentence(
+                "move.range_ends",
+                "wants {joint} at {goal:.0f} degrees from the home pose, but its range ends at"
+                " {end:g}: it gets {reached:.0f} of {way:.0f} degrees far",
+                joint=self.joint,
+                goal=self.goal,
+                end=self.end,
+                reached=self.reached,
+                way=self.way,
             )
         asked = (
-            f"asks {self.speed:.0f} deg/s of {self.joint} (at most {self.limit:g})"
+            Sentence(
+                "move.asks_speed",
+                "asks {speed:.0f} deg/s of {joint} (at most {limit:g})",
+                speed=self.speed,
+                joint=self.joint,
+                limit=self.limit,
+            )
             if self.speed > self.limit
-            else f"asks too hard a start and stop of {self.joint}"
+            else Sentence(
+                "move.asks_start", "asks too hard a start and stop of {joint}", joint=self.joint
+            )
         )
-        return (
-            f"{asked}: it gets {self.reached:.0f} of {self.way:.0f} degrees far,"
-            f" and needs {self.needs:.2f} s"
+        return Sentence(
+            "move.gets_so_far",
+            "{asked}: it gets {reached:.0f} of {way:.0f} degrees far, and needs {needs:.2f} s",
+            asked=asked,
+            reached=self.reached,
+            way=self.way,
+            needs=self.needs,
         )
+
+    def __str__(self) -> str:
+        return str(self.sentence)
 
 
 def shortfalls(move: KeyframeMove, shape: BodyShape) -> list[Shortfall]:

@@ -6,11 +6,13 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from woz_tui.config.file_position import FilePosition
+from woz_tui.config.problems import with_remedy
 from woz_tui.config.woz4u import made_nodes, woz4u_values
 from woz_tui.config.woz4u.woz4u_keys import ITEMS, OLDER_FIELDS
 from woz_tui.config.woz4u.woz4u_texts import decoded, one_line
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import MappingNode, ScalarNode
+from woz_tui.protocol.sentence import Sentence
 
 #: How a path that is relative to the file's folder is to be written.
 PathRewriter = Callable[[str], str]
@@ -68,19 +70,37 @@ class ListEntry:
         found = self.fields.get(name)
         if found is None or woz4u_values.empty(found):
             where = self.cursor if found is None else found
-            where.warning(f"without {name!r} {otherwise}; {woz4u_values.LEFT_OUT}")
+            where.warning(
+                with_remedy(
+                    Sentence(
+                        "woz4u.without",
+                        "without {field!r} {otherwise}",
+                        field=name,
+                        otherwise=otherwise,
+                    ),
+                    woz4u_values.LEFT_OUT,
+                )
+            )
             return None
         if not isinstance(found.node, ScalarNode):
-            found.wrong("text")
+            found.wrong(Sentence("check.a_text", "text"))
             return None
         return found, woz4u_values.text(found) or ""
 
     def button(self, fallback: str, *does: made_nodes.Entry) -> ButtonDraft:
         """Its button; `fallback` is the label if it has no title."""
         title, tip = self.fields.get("title"), self.fields.get("tooltip")
-        label = _words(title, f"its button is called {fallback!r}")
+        called = Sentence("woz4u.called", "its button is called {label!r}", label=fallback)
+        label = _words(title, called)
         if not label and (title is None or woz4u_values.empty(title)):
-            self.cursor.warning(f"without 'title' its button is called {fallback!r}")
+            self.cursor.warning(
+                Sentence(
+                    "woz4u.without",
+                    "without {field!r} {otherwise}",
+                    field="title",
+                    otherwise=called,
+                )
+            )
         return ButtonDraft(
             title=label or one_line(fallback) or fallback,
             place=self.cursor.place,
@@ -110,5 +130,5 @@ def warn_unknown(fields: Mapping[str, Cursor], known: tuple[str, ...]) -> None:
     """Warn of fields that nothing reads."""
     for name, entry in fields.items():
         if name not in known:
-            near = entry.report.hint(name, known, or_list="read are")
-            entry.warning(f"this key is not used{near}")
+            near = entry.report.hint(name, known, or_list=Sentence("woz4u.read_are", "read are"))
+            entry.warning(Sentence("woz4u.not_used", "this key is not used{near}", near=near))

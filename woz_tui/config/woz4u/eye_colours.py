@@ -11,6 +11,7 @@ from woz_tui.config.woz4u.woz4u_keys import ANIMATION_FIELDS
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import Node
 from woz_tui.drivers.fields import Range
+from woz_tui.protocol.sentence import Sentence
 
 #: Seconds that a colour takes to come, as WoZ4U's program has it.
 _FADE_S = 0.5
@@ -57,7 +58,12 @@ def colours(table: Mapping[str, Cursor]) -> Colours:
         mark = item.fields.get("is_default")
         if woz4u_values.flag(mark) and mark is not None:
             if default is not None:
-                mark.warning("a colour above is the default, too; the eyes come to this one")
+                mark.warning(
+                    Sentence(
+                        "woz4u.second_default_colour",
+                        "a colour above is the default, too; the eyes come to this one",
+                    )
+                )
             default = made_nodes.node(code, mark.place)
     return Colours(each, default or _early_default(table))
 
@@ -83,18 +89,33 @@ def _code(item: ListEntry) -> str:
             item.fields[n] for n, value in zip(_CHANNELS, channels, strict=True) if value > 1
         )
         top = 255.0
-        first.warning("red, green and blue go from 0 to 1; these are read as 0 to 255")
+        first.warning(
+            Sentence(
+                "woz4u.of_255", "red, green and blue go from 0 to 1; these are read as 0 to 255"
+            )
+        )
     return "#" + "".join(f"{round(255 * min(value, top) / top):02x}" for value in channels)
 
 
 def _channel(item: ListEntry, name: str) -> float:
     cursor = item.fields.get(name)
     if cursor is None or woz4u_values.empty(cursor):
-        item.cursor.warning(f"without {name!r} there is no {name} in it")
+        item.cursor.warning(
+            Sentence(
+                "woz4u.colour_missing", "without {colour!r} there is no {colour} in it", colour=name
+            )
+        )
         return 0.0
-    value = woz4u_values.number(cursor, _ANY, f"there is no {name} in it") or 0.0
+    value = (
+        woz4u_values.number(
+            cursor, _ANY, Sentence("woz4u.no_colour", "there is no {colour} in it", colour=name)
+        )
+        or 0.0
+    )
     if value < 0.0:
-        cursor.warning(f"below 0; there is no {name} in it")
+        cursor.warning(
+            Sentence("woz4u.below_zero", "below 0; there is no {colour} in it", colour=name)
+        )
     return max(0.0, value)
 
 
@@ -124,7 +145,9 @@ def _animation(
     fields = woz4u_values.mapping(cursor, "{duration: 3, key_comb: [e, r]}")
     warn_unknown(fields, ANIMATION_FIELDS)
     duration = woz4u_values.number(
-        fields.get("duration"), _DURATION, "it takes the robot's own time"
+        fields.get("duration"),
+        _DURATION,
+        Sentence("woz4u.own_time", "it takes the robot's own time"),
     )
     does = [made_nodes.entry("eyes_animation", kind, cursor.place)]
     if duration is not None:

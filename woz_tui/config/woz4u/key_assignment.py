@@ -15,9 +15,10 @@ from dataclasses import dataclass
 from woz_tui.config.file_position import FilePosition
 from woz_tui.config.keys.chords import FUNCTION_KEYS, KeyNameError, normal_key
 from woz_tui.config.keys.keymap import FileKeys
-from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.config.problems import quoted, together, with_remedy
+from woz_tui.config.yaml_cursor import Cursor, expectation
 from woz_tui.config.yaml_nodes import ListNode, Node, ScalarNode, described
+from woz_tui.protocol.sentence import Sentence, said_by
 
 _LETTERS = frozenset(string.ascii_lowercase + string.digits)
 #: Every keyboard has them.
@@ -58,9 +59,19 @@ def grant(wishes: Iterable[KeyRequest], layout: str) -> None:
         wish.key = next(free, "")
         if wish.key:
             keys.take(wish.key, wish.title, wish.place)
-        instead = f"{wish.key} plays {quoted(wish.title)} instead"
-        nothing = f"no key is left for {quoted(wish.title)}; find it by typing, with :"
-        wish.comb.warning(f"{wish.why}; {instead if wish.key else nothing}")
+        title = quoted(wish.title)
+        then = (
+            Sentence(
+                "woz4u.plays_instead", "{key} plays {title} instead", key=wish.key, title=title
+            )
+            if wish.key
+            else Sentence(
+                "woz4u.no_key_left",
+                "no key is left for {title}; find it by typing, with :",
+                title=title,
+            )
+        )
+        wish.comb.warning(with_remedy(wish.why, then))
 
 
 def _gets_own_key(wish: KeyRequest, keys: FileKeys, layout: str) -> bool:
@@ -71,7 +82,7 @@ def _gets_own_key(wish: KeyRequest, keys: FileKeys, layout: str) -> bool:
             return True
         key = normal_key(written, layout)
     except KeyNameError as error:
-        wish.why = str(error)
+        wish.why = said_by(error)
         return False
     wish.why = keys.forbidden(key) or keys.taken(key)
     if wish.why:
@@ -115,7 +126,13 @@ def comb(node: Node) -> str:
     presses: list[tuple[list[str], str]] = []
     for token in _tokens(node):
         if token in _DESKTOP:
-            raise KeyNameError(f"{token} never reaches a terminal, the desktop keeps it")
+            raise KeyNameError(
+                Sentence(
+                    "woz4u.desktop_key",
+                    "{token} never reaches a terminal, the desktop keeps it",
+                    token=token,
+                )
+            )
         if token in _MODIFIERS:
             held.append(_MODIFIERS[token])
         else:
@@ -124,10 +141,18 @@ def comb(node: Node) -> str:
     if presses and held:
         presses[-1][0].extend(held)
     elif held:
-        raise KeyNameError(f"{' and '.join(held[:3])} alone are not a key")
+        raise KeyNameError(
+            Sentence(
+                "woz4u.modifiers_alone", "{names} alone are not a key", names=together(held[:3])
+            )
+        )
     if len(presses) > 2:
         raise KeyNameError(
-            f"{len(presses)} keys one after the other are too many; at most two are possible"
+            Sentence(
+                "woz4u.too_many_keys",
+                "{number} keys one after the other are too many; at most two are possible",
+                number=len(presses),
+            )
         )
     return " ".join(
         "+".join([*(name for name in _ORDER if name in held), key]) for held, key in presses
@@ -139,13 +164,17 @@ def _tokens(node: Node) -> Iterator[str]:
     if isinstance(node, ListNode):
         for entry in node.nodes:
             if not isinstance(entry, ScalarNode):
-                raise KeyNameError(f"expected a key, not {described(entry)}")
+                raise KeyNameError(expectation(Sentence("check.a_key", "a key"), described(entry)))
             yield from _tokens(entry)
     elif isinstance(node, ScalarNode):
         if not node.is_null:
             yield from _tokens_of_text(node.text)
     else:
-        raise KeyNameError(f"expected a list of keys such as [ctrl, 1], not {described(node)}")
+        raise KeyNameError(
+            expectation(
+                Sentence("woz4u.key_list", "a list of keys such as [ctrl, 1]"), described(node)
+            )
+        )
 
 
 def _tokens_of_text(text: str) -> Iterator[str]:
@@ -163,7 +192,9 @@ def _token_of(piece: str) -> str:
     if len(piece) == 1:
         return "plus" if piece == "+" else piece
     if len(piece) > 20:
-        raise KeyNameError(f"{quoted(piece)} is not a key")
+        raise KeyNameError(
+            Sentence("check.no_key", "{key} is not a key{near}", key=quoted(piece), near="")
+        )
     if piece.isdecimal() and int(piece) < 10:  # YAML takes 01 for a number, too
         return str(int(piece))
     return piece.lower()

@@ -5,20 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from woz_tui.config.file_position import FilePosition
-from woz_tui.config.problems import ProblemReport, quoted
+from woz_tui.config.problems import ProblemReport, quoted, with_remedy
 from woz_tui.config.woz4u import made_nodes, woz4u_values
 from woz_tui.config.woz4u.buttons import PathRewriter, warn_unknown
 from woz_tui.config.woz4u.woz4u_keys import AUTONOMY
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode
 from woz_tui.drivers.fields import Range
+from woz_tui.protocol.sentence import Sentence
 
 #: The driver's word for a robot that it starts itself.
 SIMULATED = "simulated"
 
 STATES = ("solitary", "interactive", "safeguard", "disabled")
 ENGAGEMENT_MODES = ("Unengaged", "FullyEngaged", "SemiEngaged")
-_AS_IT_IS = "the robot's value stays"
+_AS_IT_IS = Sentence("woz4u.value_stays", "the robot's value stays")
 
 #: The driver's name of each setting.
 _WORDS = {
@@ -99,11 +100,18 @@ def _robots(
     if cursor is not None and not woz4u_values.empty(cursor):
         entries = [*cursor.items()] if isinstance(cursor.node, ListNode) else [cursor]
         if isinstance(cursor.node, ScalarNode):
-            cursor.warning("expected a list of addresses; this one is read as a list of one")
+            cursor.warning(
+                Sentence(
+                    "woz4u.one_address",
+                    "expected a list of addresses; this one is read as a list of one",
+                )
+            )
         for entry in entries:
             address = _address(entry)
             if address in found:
-                entry.warning(f"{quoted(address)} appears twice")
+                entry.warning(
+                    Sentence("check.twice", "{found} appears twice", found=quoted(address))
+                )
             elif address:
                 found[address] = made_nodes.node(address, entry.place)
     place = start if cursor is None else cursor.place
@@ -112,7 +120,11 @@ def _robots(
         if not (
             cursor is not None and isinstance(cursor.node, MappingNode)
         ):  # that is an error already
-            message = f"no robot is named; a simulated one is used ({where})"
+            message = Sentence(
+                "woz4u.no_robot",
+                "no robot is named; a simulated one is used ({where})",
+                where=where,
+            )
             report.warning(place, "pepper_ips", message)
         found[SIMULATED] = made_nodes.node(SIMULATED, place)
     return place, ListNode(place, [*found.values()])
@@ -122,7 +134,7 @@ def _address(entry: Cursor) -> str:
     if woz4u_values.empty(entry):
         return ""
     if not isinstance(entry.node, ScalarNode):
-        entry.wrong("a robot's address, such as 192.168.1.20")
+        entry.wrong(Sentence("woz4u.an_address", "a robot's address, such as 192.168.1.20"))
         return ""
     return (woz4u_values.text(entry) or "").strip()
 
@@ -159,7 +171,16 @@ def voice(table: Mapping[str, Cursor]) -> dict[str, ScalarNode]:
         if cursor is None or value is None:
             continue
         if ours == "pitch" and 0.0 < value < 1.0:
-            cursor.warning(f"{value:g} is not a pitch: allowed are 0 and 1 to 4; {_AS_IT_IS}")
+            cursor.warning(
+                with_remedy(
+                    Sentence(
+                        "woz4u.no_pitch",
+                        "{value:g} is not a pitch: allowed are 0 and 1 to 4",
+                        value=value,
+                    ),
+                    _AS_IT_IS,
+                )
+            )
             continue
         found[ours] = ScalarNode(cursor.place, f"{value:.6g}", plain=True)
     return found
@@ -170,7 +191,9 @@ def steps(table: Mapping[str, Cursor], start: FilePosition) -> MappingNode:
     entries: list[made_nodes.Entry] = []
     for name, (ours, allowed, factor) in _STEPS.items():
         cursor = table.get(name)
-        value = woz4u_values.number(cursor, allowed, "the usual step is taken")
+        value = woz4u_values.number(
+            cursor, allowed, Sentence("woz4u.usual_step", "the usual step is taken")
+        )
         if cursor is not None and value is not None:
             entries.append(made_nodes.entry(ours, value * factor, cursor.place))
     return made_nodes.table([*entries, made_nodes.entry("hip", _HIP_DEGREES, start)], start)

@@ -18,6 +18,7 @@ from woz_tui.config.woz4u.woz4u_keys import ITEMS, OLDER_FIELDS
 from woz_tui.config.woz4u.woz4u_texts import decoded, literal, one_line
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node, ScalarNode
+from woz_tui.protocol.sentence import Sentence
 
 #: Characters of a path that somebody may have meant; file systems refuse longer names.
 _LONGEST_NAME = 240
@@ -41,10 +42,10 @@ _EXAMPLES = {
 #: What early versions called the path in these lists, and what it is called now.
 _EARLIER = {"gestures": ("string", "gesture"), "audio_files": ("url", "location")}
 _WITHOUT = {
-    "string": "there is nothing to say",
-    "gesture": "there is nothing to play",
-    "file_name": "there is nothing to show",
-    "location": "there is nothing to play",
+    "string": Sentence("woz4u.nothing_to_say", "there is nothing to say"),
+    "gesture": Sentence("woz4u.nothing_to_play", "there is nothing to play"),
+    "file_name": Sentence("woz4u.nothing_to_show", "there is nothing to show"),
+    "location": Sentence("woz4u.nothing_to_play", "there is nothing to play"),
 }
 
 
@@ -73,10 +74,15 @@ def sections_like(node: Node) -> list[str]:
 
 def lost(section: Cursor, count: int) -> None:
     """Report entries that a conversion would lose."""
-    entries = "1 entry" if count == 1 else f"{count} entries"
     section.error(
-        f"{entries} of this would be lost: give each a title, and a string (to say), gesture,"
-        " file_name or location"
+        Sentence(
+            "woz4u.would_be_lost",
+            "{count} entries of this would be lost: give each a title, and a string (to say),"
+            " gesture, file_name or location",
+            one="1 entry of this would be lost: give each a title, and a string (to say),"
+            " gesture, file_name or location",
+            count=count,
+        )
     )
 
 
@@ -201,7 +207,12 @@ class SectionReader:
             if self.default_picture is None:
                 self.default_picture = made_nodes.node(path, mark.place)
             else:
-                mark.warning("an item above is the default already; that one is shown")
+                mark.warning(
+                    Sentence(
+                        "woz4u.second_default",
+                        "an item above is the default already; that one is shown",
+                    )
+                )
         entry = made_nodes.entry("screen", literal(path), cursor.place)
         return entry, PurePosixPath(path).stem or path
 
@@ -229,6 +240,11 @@ def _names_file(cursor: Cursor, typed: str) -> bool:
     if not name.endswith(".txt"):
         return False
     if len(name) > _LONGEST_NAME or "\n" in name:
-        cursor.warning("ends in .txt, but this is not a file name; it is spoken as text")
+        cursor.warning(
+            Sentence(
+                "woz4u.no_text_file",
+                "ends in .txt, but this is not a file name; it is spoken as text",
+            )
+        )
         return False
     return True

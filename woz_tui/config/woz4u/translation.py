@@ -8,7 +8,7 @@ from pathlib import Path
 
 from woz_tui.config.file_position import FilePosition
 from woz_tui.config.keys.keyboard_layouts import LAYOUTS
-from woz_tui.config.problems import ProblemReport
+from woz_tui.config.problems import ProblemReport, did_you_mean
 from woz_tui.config.woz4u import (
     eye_colours,
     made_nodes,
@@ -30,6 +30,7 @@ from woz_tui.config.woz4u.woz4u_panels import PanelDraft
 from woz_tui.config.woz4u.woz4u_texts import one_line
 from woz_tui.config.yaml_cursor import Cursor
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, Node
+from woz_tui.protocol.sentence import Sentence
 
 
 class OriginalNamesReport(ProblemReport):
@@ -115,7 +116,13 @@ def _by_newest_names(table: dict[str, Cursor]) -> dict[str, Cursor]:
     for name, cursor in table.items():
         newer = OLDER.get(name, name)
         if newer != name and newer not in table:
-            cursor.warning(f"this key is now called {newer!r}; it is read as that")
+            cursor.warning(
+                Sentence(
+                    "woz4u.new_name",
+                    "this key is now called {newer!r}; it is read as that",
+                    newer=newer,
+                )
+            )
             found[newer] = cursor
         else:
             found[name] = cursor
@@ -129,20 +136,35 @@ def _report_unread(
     for name, cursor in table.items():
         if name in _MADE:
             cursor.warning(
-                "a WoZ4U file has no such key; convert the file to change it (woz convert)"
+                Sentence(
+                    "woz4u.own_key",
+                    "a WoZ4U file has no such key; convert the file to change it (woz convert)",
+                )
             )
         elif name in named:
             if near := cursor.report.nearest(name, sections_like(cursor.node)):
-                cursor.warning(f"becomes a panel of this name; did you mean {near!r}?")
+                cursor.warning(
+                    Sentence(
+                        "woz4u.new_panel",
+                        "becomes a panel of this name{near}",
+                        near=did_you_mean(near),
+                    )
+                )
         elif name not in known:
             if isinstance(cursor.node, MappingNode) and (count := count_sentences(cursor.node)):
                 lost(cursor, count)
                 continue
             if name.startswith("lock_") and woz4u_values.locked(cursor):
-                cursor.error("this locks nothing: no section of the file belongs to it")
+                cursor.error(
+                    Sentence(
+                        "woz4u.locks_nothing",
+                        "this locks nothing: no section of the file belongs to it",
+                    )
+                )
                 continue
             near = cursor.report.nearest(name, TOP_LEVEL)
-            cursor.warning(f"this key is not used{f'; did you mean {near!r}?' if near else ''}")
+            meant = did_you_mean(near) if near else ""
+            cursor.warning(Sentence("woz4u.not_used", "this key is not used{near}", near=meant))
 
 
 def _read_sections(

@@ -8,6 +8,7 @@ from html.entities import html5
 
 from woz_tui.config.problems import quoted
 from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.protocol.sentence import Sentence
 
 _ENTITY = re.compile(r"&(#\d{1,7}|#[xX][0-9a-fA-F]{1,6}|[A-Za-z][A-Za-z0-9]{0,31});")
 
@@ -27,9 +28,16 @@ def decoded(cursor: Cursor, text: str) -> str:
 
     made = _ENTITY.sub(character, text)
     if unknown:
-        many = len(unknown) > 1
-        what = "no HTML entities; they stay as they are" if many else "no HTML entity; it stays"
-        cursor.warning(f"{', '.join(quoted(word) for word in unknown)}: {what}")
+        words = ", ".join(quoted(word) for word in unknown)
+        cursor.warning(
+            Sentence(
+                "woz4u.no_entities",
+                "{words}: no HTML entities; they stay as they are",
+                one="{words}: no HTML entity; it stays",
+                words=words,
+                count=len(unknown),
+            )
+        )
     return made
 
 

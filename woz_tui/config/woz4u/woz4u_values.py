@@ -8,10 +8,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from woz_tui.config.problems import quoted
-from woz_tui.config.yaml_cursor import Cursor
+from woz_tui.config.problems import quoted, with_remedy
+from woz_tui.config.yaml_cursor import Cursor, expectation, number_in, out_of_range
 from woz_tui.config.yaml_nodes import ListNode, MappingNode, ScalarNode, described
 from woz_tui.drivers.fields import Range
+from woz_tui.protocol.sentence import Sentence
 
 _NUMBER = re.compile(r"[-+]?(\d{1,30}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,2})?")
 _FLAGS = {
@@ -19,7 +20,7 @@ _FLAGS = {
     **dict.fromkeys(("false", "no", "off", "0"), False),
 }
 #: What becomes of a value that cannot be used.
-LEFT_OUT = "it is left out"
+LEFT_OUT = Sentence("woz4u.left_out", "it is left out")
 
 
 def empty(cursor: Cursor | None) -> bool:
@@ -36,7 +37,8 @@ def text(cursor: Cursor | None, otherwise: str = LEFT_OUT) -> str | None:
         return None
     if isinstance(cursor.node, ScalarNode):
         return cursor.node.text.replace("\0", "")
-    cursor.warning(f"expected text, not {described(cursor.node)}; {otherwise}")
+    expected = expectation(Sentence("check.a_text", "text"), described(cursor.node))
+    cursor.warning(with_remedy(expected, otherwise))
     return None
 
 
@@ -48,14 +50,20 @@ def number(cursor: Cursor | None, allowed: Range, otherwise: str = LEFT_OUT) -> 
     pointed = typed.replace(",", ".", 1)
     if not _NUMBER.fullmatch(pointed):
         found = described(cursor.node)
-        bounds = "" if allowed == Range() else f" ({allowed})"
-        cursor.warning(f"expected a number{bounds}, not {found}; {otherwise}")
+        cursor.warning(with_remedy(expectation(number_in(allowed), found), otherwise))
         return None
     if pointed != typed:
-        cursor.warning(f"{quoted(typed)} is read as {pointed}: the decimal sign is a point")
+        cursor.warning(
+            Sentence(
+                "woz4u.decimal_point",
+                "{typed} is read as {number}: the decimal sign is a point",
+                typed=quoted(typed),
+                number=pointed,
+            )
+        )
     value = float(pointed)
     if not allowed.contains(value):
-        cursor.warning(f"{quoted(typed)} is out of range; allowed is {allowed}; {otherwise}")
+        cursor.warning(with_remedy(out_of_range(quoted(typed), allowed), otherwise))
         return None
     return value
 
@@ -70,7 +78,8 @@ def flag(cursor: Cursor | None, otherwise: str = LEFT_OUT) -> bool | None:
         and (found := _FLAGS.get(node.text.strip().lower())) is not None
     ):
         return found
-    cursor.warning(f"expected true or false, not {described(node)}; {otherwise}")
+    expected = expectation(Sentence("check.true_or_false", "true or false"), described(node))
+    cursor.warning(with_remedy(expected, otherwise))
     return None
 
 
@@ -78,7 +87,13 @@ def locked(cursor: Cursor | None) -> bool:
     """A lock. One that cannot be read is shut: whoever wrote it did not want the section open."""
     if cursor is None or empty(cursor):
         return False
-    return flag(cursor, "the section is locked to be on the safe side") is not False
+    return (
+        flag(
+            cursor,
+            Sentence("woz4u.locked_for_safety", "the section is locked to be on the safe side"),
+        )
+        is not False
+    )
 
 
 def word(cursor: Cursor | None, choices: Sequence[str], otherwise: str = LEFT_OUT) -> str | None:
@@ -89,8 +104,16 @@ def word(cursor: Cursor | None, choices: Sequence[str], otherwise: str = LEFT_OU
     known = {choice.lower(): choice for choice in choices}
     found = known.get(typed.strip().lower())
     if found is None:
-        near = cursor.report.hint(typed, choices, or_list="it can be")
-        cursor.warning(f"{quoted(typed)} is not known; {otherwise}{near}")
+        near = cursor.report.hint(typed, choices, or_list=Sentence("check.it_can_be", "it can be"))
+        cursor.warning(
+            Sentence(
+                "woz4u.not_known",
+                "{typed} is not known; {otherwise}{near}",
+                typed=quoted(typed),
+                otherwise=otherwise,
+                near=near,
+            )
+        )
     return found
 
 
@@ -98,7 +121,17 @@ def mapping(cursor: Cursor | None, example: str) -> dict[str, Cursor]:
     """A mapping's entries; an error for anything else that says something."""
     if cursor is None or empty(cursor):
         return {}
-    return cursor.table(f"a mapping, such as {example}") or {}
+    return (
+        cursor.table(
+            Sentence(
+                "check.such_as",
+                "{what}, such as {example}",
+                what=Sentence("check.a_mapping", "a mapping"),
+                example=example,
+            )
+        )
+        or {}
+    )
 
 
 def items(cursor: Cursor | None, example: str) -> Iterator[Cursor]:
@@ -106,16 +139,21 @@ def items(cursor: Cursor | None, example: str) -> Iterator[Cursor]:
     if cursor is None or empty(cursor):
         return
     if isinstance(cursor.node, MappingNode):
-        cursor.warning("expected a list; this one entry is read as a list of one")
+        cursor.warning(
+            Sentence("woz4u.one_entry", "expected a list; this one entry is read as a list of one")
+        )
         yield cursor
         return
     if not isinstance(cursor.node, ListNode):
-        cursor.wrong(f"a list of entries such as {example}")
+        cursor.wrong(
+            Sentence("woz4u.entries", "a list of entries such as {example}", example=example)
+        )
         return
     for entry in cursor.items():
         if isinstance(entry.node, MappingNode):
             yield entry
         elif empty(entry):
-            entry.warning(f"a value is missing here; {LEFT_OUT}")
+            missing = Sentence("check.value_missing", "a value is missing here")
+            entry.warning(with_remedy(missing, LEFT_OUT))
         else:
-            entry.wrong(f"an entry such as {example}")
+            entry.wrong(Sentence("woz4u.an_entry", "an entry such as {example}", example=example))

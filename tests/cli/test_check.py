@@ -6,6 +6,7 @@ import argparse
 import itertools
 import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import pytest
 from tests.config.catalogue import CATALOGUE
 from tests.config.reading import ROBOT, panel
 from woz_tui.cli import check
+from woz_tui.config.screen_language import use
 
 GOOD = panel(
     "{key: h, label: Hello, say: 'Hello {participant}', play: {move: nod, speed: 0.5}}",
@@ -33,6 +35,13 @@ def _a_quiet_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TERM", "xterm-256color")
 
 
+@pytest.fixture
+def german() -> Iterator[None]:
+    use("de")
+    yield
+    use("en")
+
+
 def checked(folder: Path, text: str, *options: str) -> int:
     path = folder / "e.yaml"
     path.write_text(text, encoding="utf-8")
@@ -50,6 +59,31 @@ def test_errors_go_to_stderr_and_the_code_is_1(
     lines = printed.err.splitlines()
     assert lines[0].endswith("lable: unknown; did you mean 'label'?")
     assert lines[-1] == f"{tmp_path / 'e.yaml'}: 1 error"
+
+
+def test_what_is_wrong_is_told_in_the_language_that_is_asked_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], german: None
+) -> None:
+    wrong = GOOD.replace("label: Hello", "lable: Hello").replace("say:", "sai:")
+    assert checked(tmp_path, wrong) == 1
+    told = capsys.readouterr().err
+    assert "lable: unbekannt; meinten Sie 'label'?" in told
+    assert told.splitlines()[-1] == f"{tmp_path / 'e.yaml'}: 2 Fehler"
+    assert checked(tmp_path, GOOD) == 0
+    out = capsys.readouterr().out
+    assert "Warnung: P > No key > sound: es gibt keine Datei 'missing.wav'" in out
+    assert out.splitlines()[-1] == "6 Aktionen in 1 Gruppe, keine Fehler, 2 Warnungen"
+
+
+def test_programs_get_code_and_values_and_the_english(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], german: None
+) -> None:
+    checked(tmp_path, GOOD.replace("label: Hello", "lable: Hello"), "--format", "json")
+    (problem,) = json.loads(capsys.readouterr().out)["problems"]
+    assert problem["message"] == "unknown; did you mean 'label'?"
+    assert problem["code"] == "check.unknown"
+    assert problem["values"]["near"]["code"] == "check.did_you_mean"
+    assert problem["values"]["near"]["values"] == {"near": "label"}
 
 
 def test_the_table_says_what_each_key_does(

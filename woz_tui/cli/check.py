@@ -16,6 +16,7 @@ from rich.text import Text
 from woz_tui.cli import check_why, robot_fit
 from woz_tui.cli.argument_types import file_or_word
 from woz_tui.cli.error_sentences import CommandErrors
+from woz_tui.cli.shared_options import add_language
 from woz_tui.config import keys
 from woz_tui.config.action_text import action_text, main_arguments
 from woz_tui.config.experiment import (
@@ -33,6 +34,7 @@ from woz_tui.config.file_position import ExperimentError, Problem
 from woz_tui.config.keys.keymap_file import load_keymap
 from woz_tui.config.loading import load, load_robot
 from woz_tui.config.robots import is_robot_file
+from woz_tui.config.screen_language import choose, say, word
 from woz_tui.config.session_verbs import engagement_verbs
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
@@ -87,10 +89,12 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--format", choices=("text", "json"), default="text", help="json: one object, for programs"
     )
+    add_language(parser)
 
 
 def run(arguments: Namespace) -> int:
     """Print errors to stderr and return 1, or what was asked for and the verdict, and return 0."""
+    choose(arguments.language)
     return check(arguments, plugins.installed())
 
 
@@ -181,9 +185,16 @@ def _print_errors(problems: list[Problem], arguments: Namespace) -> None:
         }
         print(json.dumps(report, indent=2))
     for problem in problems:
-        print(problem, file=sys.stderr)
+        print(word(problem.sentence), file=sys.stderr)
     for file, number in Counter(problem.place.file for problem in problems).items():
-        print(f"{file}: {_count(number, 'error')}", file=sys.stderr)
+        errors = say(
+            "check.errors_of_file",
+            "{file}: {count} errors",
+            one="{file}: 1 error",
+            file=file,
+            count=number,
+        )
+        print(errors, file=sys.stderr)
 
 
 # -- for people -------------------------------------------------------------------------------
@@ -222,9 +233,9 @@ def _print_experiment(
         _print_section(console, "people's data, for an ethics application", _subject_rows(people))
     if experiment.robot:
         console.print(robot_fit.action_table(experiment))
-    warnings = [*map(str, experiment.warnings), *keymap.warnings]
+    warnings = [*(each.sentence for each in experiment.warnings), *keymap.warnings]
     for warning in warnings:
-        console.print(Text(warning, style="yellow"), soft_wrap=True)
+        console.print(Text(word(warning), style="yellow"), soft_wrap=True)
     console.print(Text(verdict(experiment, len(warnings)), style="bold"))
 
 
@@ -232,10 +243,30 @@ def verdict(experiment: Experiment, warnings: int) -> str:
     """The last line: how much there is, and how much is wrong with it."""
     actions = sum(len(panel.actions) for panel in experiment.panels)
     names = experiment.parts
-    parts = f" for {_count(len(names), 'part')} ({', '.join(names)})" if names else ""
-    return (
-        f"{_count(actions, 'action')} on {_count(len(experiment.panels), 'panel')}{parts},"
-        f" no errors, {_count(warnings, 'warning')}"
+    parts = ""
+    if names:
+        parts = say(
+            "check.for_parts",
+            " for {count} parts ({names})",
+            one=" for 1 part ({names})",
+            names=", ".join(names),
+            count=len(names),
+        )
+    return say(
+        "check.verdict",
+        "{actions} on {panels}{parts}, no errors, {warnings}",
+        actions=say("check.count_actions", "{count} actions", one="1 action", count=actions)
+        if actions
+        else say("check.no_actions", "no actions"),
+        panels=say(
+            "check.count_panels", "{count} panels", one="1 panel", count=len(experiment.panels)
+        )
+        if experiment.panels
+        else say("check.no_panels", "no panels"),
+        parts=parts,
+        warnings=say("check.count_warnings", "{count} warnings", one="1 warning", count=warnings)
+        if warnings
+        else say("check.no_warnings", "no warnings"),
     )
 
 

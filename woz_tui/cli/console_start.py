@@ -18,9 +18,10 @@ from typing import TYPE_CHECKING, Any
 from woz_tui.cli import GC_THRESHOLDS
 from woz_tui.cli.progress import progress
 from woz_tui.config.keys.console_keys import BUILTIN_KEYS, BuiltinKey
-from woz_tui.config.screen_language import choose, say
+from woz_tui.config.screen_language import choose, say, word
 from woz_tui.console.link.host_start import Launch, LaunchError, RobotProcess
 from woz_tui.log.file_names import current_path
+from woz_tui.protocol.sentence import said_by
 from woz_tui.system.text_cleaning import lasting
 from woz_tui.system.user_folders import is_first_start
 
@@ -370,7 +371,7 @@ def run_session(
             robot = launch.wait()
         console = make_console(options(robot))
     except LaunchError as error:
-        print(error, file=sys.stderr)
+        print(word(said_by(error)), file=sys.stderr)
         return None
     except BaseException as error:
         launch.abandon()

@@ -7,14 +7,16 @@ import sys
 from collections.abc import Callable
 from typing import ParamSpec
 
+from woz_tui.protocol.sentence import Sentence
+
 _Given = ParamSpec("_Given")
 _REMEDIES = {
-    errno.EEXIST: "choose another path, or remove the existing file",
-    errno.ENOTDIR: "a part of this path is a file; name a folder",
-    errno.EISDIR: "this is a folder; name a file in it",
-    errno.EACCES: "ask its owner, or choose another path",
-    errno.EROFS: "choose a path that can be written to",
-    errno.ENOSPC: "free space on this disk, or choose another path",
+    errno.EEXIST: Sentence("start.path_taken", "choose another path, or remove the existing file"),
+    errno.ENOTDIR: Sentence("start.name_folder", "a part of this path is a file; name a folder"),
+    errno.EISDIR: Sentence("start.name_file", "this is a folder; name a file in it"),
+    errno.EACCES: Sentence("start.ask_owner", "ask its owner, or choose another path"),
+    errno.EROFS: Sentence("start.read_only", "choose a path that can be written to"),
+    errno.ENOSPC: Sentence("start.disk_full", "free space on this disk, or choose another path"),
 }
 
 
@@ -23,8 +25,11 @@ def os_error_text(error: OSError) -> str:
     path = error.filename2 or error.filename
     if path is None or not error.strerror:
         return str(error)
-    remedy = _REMEDIES.get(error.errno or 0, "")
-    return f"{path}: {error.strerror[:1].lower()}{error.strerror[1:]}" + (remedy and f" ({remedy})")
+    why = f"{error.strerror[:1].lower()}{error.strerror[1:]}"
+    remedy = _REMEDIES.get(error.errno or 0)
+    if remedy is None:
+        return f"{path}: {why}"
+    return Sentence("start.os_error", "{path}: {why} ({remedy})", path=path, why=why, remedy=remedy)
 
 
 def is_output_error(error: Exception) -> bool:
@@ -60,6 +65,7 @@ class CommandErrors:
         except Exception as error:
             if is_output_error(error):
                 raise
+            _speak(args)
             sentences = self._sentences(error)
             if sentences is None:
                 raise
@@ -70,6 +76,7 @@ class CommandErrors:
         """The error in sentences; None if it is a bug of the program."""
         # Here, so that what needs no explanation starts without them.
         from woz_tui.config.file_position import ExperimentError  # noqa: PLC0415
+        from woz_tui.config.screen_language import word  # noqa: PLC0415
         from woz_tui.drivers.plugins import PluginError  # noqa: PLC0415
         from woz_tui.protocol.refusal import RequestError  # noqa: PLC0415
 
@@ -78,7 +85,7 @@ class CommandErrors:
         ):
             return None
         if problems := getattr(error, "problems", ()):
-            return "\n".join(map(str, problems))
+            return "\n".join(word(problem.sentence) for problem in problems)
         match error:
             case RequestError():
                 what, remedy = error.reason, error.hint
@@ -86,4 +93,14 @@ class CommandErrors:
                 what, remedy = os_error_text(error), ""
             case _:
                 what, remedy = getattr(error, "what", str(error)), getattr(error, "remedy", "")
-        return f"{self._who}: {what}{f' ({remedy})' if remedy and remedy not in what else ''}"
+        helps = f" ({word(remedy)})" if remedy and remedy not in what else ""
+        return f"{self._who}: {word(what)}{helps}"
+
+
+def _speak(given: tuple[object, ...]) -> None:
+    """Choose the language of the screen, for a command that has one."""
+    language = next((each.language for each in given if hasattr(each, "language")), None)
+    if isinstance(language, str):
+        from woz_tui.config.screen_language import choose  # noqa: PLC0415 - only for errors
+
+        choose(language)

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.file_position import ExperimentError
+from woz_tui.config.screen_language import say, word
 from woz_tui.replay import experiment_origin
 from woz_tui.replay.experiment_origin import ExperimentOrigin
 from woz_tui.system.text_cleaning import clean
@@ -40,8 +41,12 @@ def error_lines(origin: ExperimentOrigin, error: ExperimentError, *, reveal: boo
     where they are.
     """
     if not origin.blind or reveal:
-        yield from map(str, error.problems)
+        yield from (word(problem.sentence) for problem in error.problems)
         return
     for problem in error.problems:
-        yield f"{problem.place}: {'warning' if problem.warning else 'an error'}"
+        yield (
+            say("check.warning_at", "{place}: warning", place=problem.place)
+            if problem.warning
+            else say("check.error_at", "{place}: an error", place=problem.place)
+        )
     yield f"woz: {_BLIND}"

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from woz_tui.cli.argument_types import number
-from woz_tui.cli.shared_options import add_robot, add_session, start_values
+from woz_tui.cli.shared_options import add_language, add_robot, add_session, start_values
 from woz_tui.feature import pieces
 from woz_tui.host.session_kind import SessionKind
 from woz_tui.protocol.refusal import RequestError
@@ -27,6 +27,7 @@ def add(parser: ArgumentParser) -> None:
     parser.add_argument("experiment", type=Path, help="experiment file")
     add_robot(parser)
     add_session(parser)
+    add_language(parser)
     parser.add_argument(
         "--rerun",
         type=Path,

@@ -129,12 +129,14 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
     if arguments.examples:
         return print_examples()
     if path is None:
-        print("woz: a new experiment needs a name: woz new guide.yaml", file=sys.stderr)
+        named = say("new.needs_name", "a new experiment needs a name: woz new guide.yaml")
+        print(f"woz: {named}", file=sys.stderr)
         return 2
     if arguments.source is not None:
         return copy_example(arguments.source, path)
     if arguments.study is False and arguments.conditions is not None:
-        print("woz: free play has no conditions: leave out --free or --conditions", file=sys.stderr)
+        free = say("new.free_play", "free play has no conditions: leave out --free or --conditions")
+        print(f"woz: {free}", file=sys.stderr)
         return 2
     if os.path.lexists(path):
         return _taken(path)
@@ -162,7 +164,8 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
             for problem in error.problems:
                 print(_refused(problem), file=sys.stderr)
             given = ", ".join(f"{name} {value}" for name, value in answers.items() if value)
-            print(f"woz: no file was written ({given})", file=sys.stderr)
+            none = say("new.not_written", "no file was written ({answers})", answers=given)
+            print(f"woz: {none}", file=sys.stderr)
             return 1
         undo.pop_all()
     _print_next_steps(path, experiment, abilities)
@@ -170,7 +173,8 @@ def new(arguments: Namespace, catalogue: Mapping[str, type[Driver]], ask: Ask | 
 
 
 def _taken(path: Path) -> int:
-    print(f"woz: {path} is there already; choose another name", file=sys.stderr)
+    taken = say("new.taken", "{file} is there already; choose another name", file=path)
+    print(f"woz: {taken}", file=sys.stderr)
     return 1
 
 
@@ -184,16 +188,18 @@ def _make_folder(folder: Path, undo: ExitStack) -> None:
 
 def _refused(problem: Problem) -> str:
     if problem.path.endswith(".say"):  # of the trial, which the wizard does not see
-        return f"this robot cannot speak (say: {problem.message})"
-    return f"{problem.path}: {problem.message}"
+        message = word(problem.message)
+        return say("new.cannot_speak", "this robot cannot speak (say: {why})", why=message)
+    return say("check.about", "{what}: {why}", what=problem.path, why=word(problem.message))
 
 
 def _print_next_steps(path: Path, experiment: Experiment, abilities: Abilities) -> None:
-    print(f"{path}: written. {verdict(experiment, len(experiment.warnings))}.")
+    found = verdict(experiment, len(experiment.warnings))
+    print(say("new.written", "{file}: written. {verdict}.", file=path, verdict=found))
     to_write = sum(text.count(utterance_template.TO_WRITE) for text in experiment.texts[:1])
     for warning in experiment.warnings:
         if warning.message != utterance_template.UNWRITTEN:
-            print(f"  {warning}")
+            print(f"  {word(warning.sentence)}")
     if to_write:
         sentences = say(
             "new.to_write",

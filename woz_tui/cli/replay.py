@@ -120,6 +120,7 @@ def run(arguments: argparse.Namespace) -> int:
     if wrong:
         print(f"woz: {wrong}", file=sys.stderr)
         return 2
+    choose(arguments.language)
     if arguments.robot or arguments.dry_run:
         from woz_tui.cli import rerun  # noqa: PLC0415
 
@@ -136,7 +137,6 @@ def run(arguments: argparse.Namespace) -> int:
             from woz_tui.console.replay.commands import ReplayKeyboard  # noqa: PLC0415
             from woz_tui.console.wizard_terminal import WizardDriver  # noqa: PLC0415
 
-            choose(arguments.language)
             console = ReplayConsole(
                 feed,
                 ReplayKeyboard(feed),

@@ -22,6 +22,7 @@ from woz_tui.cli.shared_options import (
     start_options,
 )
 from woz_tui.cli.wizard_code import wizard_code
+from woz_tui.config.screen_language import choose
 from woz_tui.console.link.host_start import RobotProcess, host_arguments
 
 #: Options of `run` that `host` is given as they are.
@@ -58,6 +59,7 @@ def play(arguments: Namespace, experiment: Path, robot: str = "", demo: Shown | 
     """A session on `experiment`, with another `robot` than its own if one is named; the exit
     code.
     """
+    choose(arguments.language)
     if console_start.lacks_terminal():
         return 2
     own_keys = builtins(arguments)
@@ -76,6 +78,8 @@ def play(arguments: Namespace, experiment: Path, robot: str = "", demo: Shown | 
     )
     if shown.fitted:
         command.append("--fitted")
+    if arguments.language:  # of what is wrong with the file; the log is English
+        command += ["--language", arguments.language]
 
     silent = ("", "")
 

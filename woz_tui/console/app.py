@@ -406,7 +406,7 @@ class Console(ScreenApp):
         self._bind_arrows()
         self.arrows.adopt(state.settings.steps)
         if self.keymap.warnings != warned and self.keymap.warnings:
-            self.news(self.keymap.warnings[0], "warn")
+            self.news(word(self.keymap.warnings[0]), "warn")
 
     def _bind_arrows(self) -> None:
         """Arrows move the robot of this wizard, where others play other ones."""

@@ -160,7 +160,13 @@ def check_guards(experiment: Experiment) -> None:
     place = FilePosition(experiment.path.name, 1, 1)
     problems = [
         Problem(
-            place, name, f"the feature cannot be used: {left_out().get(name, 'it is not whole')}"
+            place,
+            name,
+            Sentence(
+                "host.feature_unusable",
+                "the feature cannot be used: {why}",
+                why=left_out().get(name) or Sentence("host.not_whole", "it is not whole"),
+            ),
         )
         for name, section in pieces("section", FeatureSection).items()
         if features()[name].gate

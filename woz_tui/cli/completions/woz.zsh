@@ -206,6 +206,7 @@ _shtab_woz_check_options=(
   "--why[whether a key\'s action may be played when the session begins, in each phase and with each profile, and if not why\; KEY can be an action\'s name or a verb, too]:KEY:"
   "--keymap[the keys with a wizard\'s keymap file]:keymap:_files"
   "--format[json\: one object, for programs]:format:(text json)"
+  "--language[what the screen speaks, such as de (default\: the experiment\'s language, if the screen has it and it is not English, else that of the terminal\: LC_MESSAGES)]:CODE:"
   ":experiment file, or a robot file:_files"
 )
 
@@ -410,6 +411,7 @@ _shtab_woz_host_options=(
   "--spill[second folder for the log, used if the first one fails (default\: in \~\/.local\/state\/woz)]:spill:_files"
   "--name[name of the socket (default\: the session code)]:name:"
   "--listen[let other machines join, for example at 0.0.0.0\:8765\; who may, is given by \`woz access\` and the experiment\'s session\: access]:ADDRESS:"
+  "--language[what the screen speaks, such as de (default\: the experiment\'s language, if the screen has it and it is not English, else that of the terminal\: LC_MESSAGES)]:CODE:"
   "--rerun[run the commands of this log again, once a wizard is attached (see \`woz replay\`)]:LOG:_files"
   "--headless[with --rerun\: run without a wizard\; the session ends with the re-run]"
   "--rerun-wait[with --rerun\: longest time in s for the drivers to connect (default 20)]:SECONDS:"

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from woz_tui.log.file_names import session_code
+from woz_tui.protocol.sentence import Sentence
 
 #: How long the robot process may take until it says where it listens, in seconds.
 START_WAIT_S = 30.0
@@ -73,10 +74,18 @@ class Launch:
             raise LaunchError(
                 self._errors.read().decode("utf-8", "replace").strip()
                 or (
-                    f"woz: the robot process ended with code {self._process.returncode} while it"
-                    " started; start it again"
+                    Sentence(
+                        "start.host_ended",
+                        "woz: the robot process ended with code {code} while it started; start it"
+                        " again",
+                        code=self._process.returncode,
+                    )
                     if ended
-                    else f"woz: the robot process did not start within {seconds:g} s"
+                    else Sentence(
+                        "start.host_late",
+                        "woz: the robot process did not start within {seconds:g} s",
+                        seconds=seconds,
+                    )
                 )
             )
         return RobotProcess(

@@ -376,7 +376,7 @@ class Bus:
             self._telling.start(self._stop_of(name, Scope.ALL))
         self._hub.publish(StopPressed(source=source, pressed=pressed))
         for lane in list(self._lanes.values()):
-            lane.stop(Sentence("bus.stop_pressed", "stop pressed"))
+            lane.stop(Sentence("session.stop_pressed", "stop pressed"))
         self._stopping = self._confirming.start(self._confirm(stops, pressed or now, Scope.ALL))
         return self._stopping
 
@@ -509,7 +509,7 @@ class Bus:
     async def drain(self, seconds: float) -> None:
         """End every command and wait up to `seconds` for the jobs to be gone."""
         for lane in list(self._lanes.values()):
-            lane.stop(Sentence("bus.session_ends", "the session ends"))
+            lane.stop(Sentence("session.ends", "the session ends"))
         waits = [asyncio.ensure_future(lane.ended()) for lane in self._lanes.values()]
         if waits:
             _, pending = await asyncio.wait(waits, timeout=seconds)

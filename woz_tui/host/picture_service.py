@@ -79,7 +79,7 @@ class PictureService:
             )
         elif request.driver and request.driver not in self._session.drivers:
             reason = Sentence(
-                "host.unknown_driver", "there is no driver {driver!r}", driver=request.driver
+                "bus.no_driver", "there is no driver {driver!r}", driver=request.driver
             )
         elif request.driver and request.driver not in self.cameras:
             reason = Sentence("host.no_camera", "{driver} has no camera", driver=request.driver)

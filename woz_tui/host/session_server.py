@@ -321,7 +321,7 @@ class SessionServer:
                 )
             known = ", ".join(parts)
             hint = (
-                Sentence("host.parts", "there are {known}", known=known)
+                Sentence("gate.there_are", "there are {names}", names=known)
                 if known
                 else Sentence("host.for_gives_part", "a panel's `for` gives it a part")
             )

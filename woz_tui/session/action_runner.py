@@ -681,7 +681,7 @@ def _reason(verb: str, end: m.End) -> str:
     match end:
         case m.Refused(code="late", reason=reason):
             if verb == "say":
-                return Sentence("session.not_said_since", "not said: {reason}", reason=reason)
+                return Sentence("session.not_said", "not said: {reason}", reason=reason)
             return Sentence("session.not_played_since", "not played: {reason}", reason=reason)
         case m.Refused(code="full", reason=reason):
             return Sentence("session.so_not_played", "{reason}: not played", reason=reason)

@@ -528,7 +528,7 @@ class Session:
         return Refusal(
             "unknown",
             reason,
-            Sentence("session.there_are", "there are {names}", names=", ".join(verbs)),
+            Sentence("gate.there_are", "there are {names}", names=", ".join(verbs)),
         )
 
     def _on_message(self, message: m.Message) -> None:
@@ -802,7 +802,7 @@ class Session:
         if check not in known:
             raise RequestError(
                 Sentence("session.no_check", "the preflight list has no {check!r}", check=check),
-                Sentence("session.there_are", "there are {names}", names=", ".join(known))
+                Sentence("gate.there_are", "there are {names}", names=", ".join(known))
                 if known
                 else Sentence("session.no_checks", "the file has none: preflight: [...]"),
             )

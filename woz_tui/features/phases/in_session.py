@@ -86,7 +86,7 @@ class PhaseController(SessionFeature):
         if self.session.state.study.between_trials:
             raise RequestError(
                 Sentence("phases.with_trial", "phases begin with a trial"),
-                Sentence("phases.begin_trial", "begin one"),
+                Sentence("study.begin_one", "begin one"),
                 command="trial",
             )
         if not name:
@@ -103,7 +103,7 @@ class PhaseController(SessionFeature):
             listed = ", ".join(each.name for each in phases)
             raise RequestError(
                 Sentence("phases.unknown", "there is no phase {name!r}", name=name),
-                Sentence("phases.there_are", "there are {listed}", listed=listed),
+                Sentence("gate.there_are", "there are {names}", names=listed),
             )
         if name == self.name:
             raise RequestError(

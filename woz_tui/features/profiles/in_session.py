@@ -32,7 +32,7 @@ class ProfileInUse(SessionFeature):
         if value and value not in known:
             raise RequestError(
                 Sentence("profiles.unknown", "there is no profile {value!r}", value=value),
-                Sentence("profiles.there_are", "there are {names}", names=", ".join(known))
+                Sentence("gate.there_are", "there are {names}", names=", ".join(known))
                 if known
                 else Sentence("profiles.none", "the file has no profiles"),
             )

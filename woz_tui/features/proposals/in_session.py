@@ -87,7 +87,7 @@ _ENDS: Mapping[str, tuple[str, str]] = {
         Sentence("proposals.reloaded", "the experiment file was read again"),
         Sentence("proposals.ask_again", "ask again"),
     ),
-    "end": (Sentence("proposals.session_ends", "the session ends"), ""),
+    "end": (Sentence("session.ends", "the session ends"), ""),
 }
 
 
@@ -237,7 +237,7 @@ class ProposalsInSession(SessionFeature):
                 if self.session.experiment.action(action) is None:
                     raise RequestError(
                         Sentence(
-                            "proposals.no_action",
+                            "gate.no_action",
                             "there is no action {action!r}",
                             action=action,
                         )
@@ -260,7 +260,7 @@ class ProposalsInSession(SessionFeature):
         """Until the wizard approves it. What stands there is what will be said."""
         if self.session.state.stop is not None:
             raise RequestError(
-                Sentence("proposals.stopped", "the stop is pressed"),
+                Sentence("gate.stopped", "the stop is pressed"),
                 Sentence("proposals.wizard_releases", "the wizard releases it"),
             )
         if request.at:
@@ -338,12 +338,12 @@ class ProposalsInSession(SessionFeature):
         if client.stale:
             raise RequestError(
                 Sentence("proposals.not_taken", "not taken ({stale})", stale=client.stale),
-                Sentence("proposals.again", "press it again"),
+                Sentence("gate.again", "press it again"),
             )
         if self.session.hub.now() - found.since < SETTLE_US:
             raise RequestError(
                 Sentence("proposals.just_came", "not taken: the proposal had only just come"),
-                Sentence("proposals.again", "press it again"),
+                Sentence("gate.again", "press it again"),
             )
         return self._take(request, client, found)
 
@@ -441,7 +441,7 @@ class ProposalsInSession(SessionFeature):
             if self.session.experiment.action(action) is None:
                 raise RequestError(
                     Sentence(
-                        "proposals.no_action",
+                        "gate.no_action",
                         "there is no action {action!r}",
                         action=action,
                     )
@@ -453,7 +453,7 @@ class ProposalsInSession(SessionFeature):
             )
         if self.session.state.stop is not None:
             raise RequestError(
-                Sentence("proposals.stopped", "the stop is pressed"),
+                Sentence("gate.stopped", "the stop is pressed"),
                 Sentence("proposals.wizard_releases", "the wizard releases it"),
             )
         if self._quiet:
@@ -631,7 +631,7 @@ class ProposalsInSession(SessionFeature):
             )
             hint = Sentence("proposals.ask_wizard", "ask the wizard, or try another one")
         if isinstance(found.request, r.AskVerb) and found.request.verb == "say":
-            text = Sentence("proposals.not_said", "not said: {reason}", reason=reason)
+            text = Sentence("session.not_said", "not said: {reason}", reason=reason)
         else:
             text = Sentence("proposals.not_done", "not done: {reason}", reason=reason)
         found.decide(RequestError(text, hint))

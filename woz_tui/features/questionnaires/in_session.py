@@ -70,7 +70,7 @@ class QuestionnaireController(SessionFeature):
                     "the questionnaire {name!r} is open",
                     name=current.name,
                 ),
-                Sentence("questionnaires.end_first", "end it first"),
+                Sentence("study.end_trial", "end it first"),
                 command="trial",
             )
 
@@ -124,7 +124,7 @@ class QuestionnaireController(SessionFeature):
                     "the questionnaire {name!r} is open",
                     name=current.name,
                 ),
-                Sentence("questionnaires.end_first", "end it first"),
+                Sentence("study.end_trial", "end it first"),
             )
         known = {each.name: each for each in self.session.state.study.settings.questionnaires}
         if name not in known:
@@ -134,7 +134,7 @@ class QuestionnaireController(SessionFeature):
                     "there is no questionnaire {name!r}",
                     name=name,
                 ),
-                Sentence("questionnaires.there_are", "there are {names}", names=", ".join(known))
+                Sentence("gate.there_are", "there are {names}", names=", ".join(known))
                 if known
                 else Sentence("questionnaires.none_in_file", "the file has no questionnaires"),
             )
@@ -154,7 +154,7 @@ class QuestionnaireController(SessionFeature):
                 Sentence(
                     "questionnaires.given_by_nobody", "nobody answers by {given!r}", given=given
                 ),
-                Sentence("questionnaires.there_are", "there are {names}", names=", ".join(GIVEN)),
+                Sentence("gate.there_are", "there are {names}", names=", ".join(GIVEN)),
             )
         running = self.session.state.study.trial
         trial = running.started.trial if running is not None else -1
@@ -175,7 +175,7 @@ class QuestionnaireController(SessionFeature):
         if language and language != found.language:
             codes = filter(None, [asked.language, *(each.language for each in asked.versions)])
             there = (
-                Sentence("questionnaires.there_are", "there are {names}", names=", ".join(codes))
+                Sentence("gate.there_are", "there are {names}", names=", ".join(codes))
                 if asked.versions
                 else Sentence("questionnaires.one_language", "it has one only")
             )
@@ -268,7 +268,7 @@ class QuestionnaireController(SessionFeature):
                     "there is no item {item!r}",
                     item=request.item,
                 ),
-                Sentence("questionnaires.there_are", "there are {names}", names=", ".join(items)),
+                Sentence("gate.there_are", "there are {names}", names=", ".join(items)),
             )
         item = items[request.item]
         if item not in asked_items(items.values(), self._given_answers):

@@ -200,7 +200,7 @@ class ScriptController(SessionFeature):
                 if len(self._scripts) > 1 and study.stage is None:
                     if study.between_trials:
                         raise RequestError(
-                            Sentence("scripts.with_trial", "phases begin with a trial"),
+                            Sentence("phases.with_trial", "phases begin with a trial"),
                             Sentence("scripts.begin_one", "begin one"),
                             command="trial",
                         )

@@ -95,7 +95,7 @@ class SlotsInSession(SessionFeature):
             if sources[name] not in (*SOURCES, PROGRAM):
                 raise RequestError(
                     Sentence("slots.no_source", "{source!r} is no source", source=source),
-                    Sentence("slots.there_are", "there are {names}", names=", ".join(SOURCES)),
+                    Sentence("gate.there_are", "there are {names}", names=", ".join(SOURCES)),
                 )
             heard = ("transcript",) if sources[name] == "heard" else ()
             tells[name] = (*heard, *given.tells.get(name, ()))

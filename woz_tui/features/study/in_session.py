@@ -211,7 +211,7 @@ class TrialController(SessionFeature):
         conditions = self.session.experiment.conditions
         if conditions and not condition:
             raise RequestError(
-                Sentence("study.no_condition", "no condition is set"),
+                Sentence("session.condition_unset", "no condition is set"),
                 Sentence("study.choose_order", "choose the participant's order first"),
                 command="start",
             )

@@ -94,4 +94,4 @@ class ScoreDialog(ChoiceDialog):
         """
         over = say("training.end", "End the training")
         end = ListChoice(Content(over), self.requests.end_session)
-        return [ListChoice(Content(say("training.stay", "Stay and read the screen"))), end]
+        return [ListChoice(Content(say("lost.stay", "Stay and read the screen"))), end]

@@ -111,7 +111,7 @@ class Trainer:
         )
         self._hub.publish(
             m.Notice(
-                level="error", text=text, remedy=Sentence("training.end_session", "end the session")
+                level="error", text=text, remedy=Sentence("host.end_session", "end the session")
             )
         )
 

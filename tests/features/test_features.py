@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from woz_tui.feature import Feature, answer_of, answers_of, features, left_out, pieces
-from woz_tui.gate.table import TABLE, FeatureGate, all_rows
+from woz_tui.gate.questions import ClientRequest, PlayEffect
+from woz_tui.gate.table import TABLE, FeatureGate, FeatureRow, Row, all_rows, stop_pressed
 from woz_tui.protocol.kinds import FeatureKinds, message_kinds, request_kinds
 
 ROOT = Path(__file__).parents[2]
@@ -197,6 +198,98 @@ def test_a_row_of_which_no_moment_is_known_is_one_that_only_a_session_knows(
     [last] = [line for line in told.splitlines() if line.startswith("only a session knows:")]
     assert "moon" in last.split(": ")[1].split(", ")
     assert "profile" not in last
+
+
+#: A feature that forbids what drives, from the first marker on.
+NIGHT = """
+from woz_tui.feature import Feature
+from woz_tui.gate.questions import DispatchCommand, SubmitCommand
+from woz_tui.gate.table import FeatureGate, FeatureRow, Row, not_watched
+from woz_tui.protocol.messages import Marker
+from woz_tui.protocol.refusal import Refusal
+from woz_tui.session.session_features import SessionFeature
+
+
+class InSession(SessionFeature):
+    dark = False
+
+    def hear(self, marker):
+        self.dark = True
+
+    def fact(self):
+        return "night" if self.dark else None
+
+    hears = {Marker: hear}
+
+
+def dark(facts, asked):
+    return Refusal("night", "it is dark") if asked.verb.drives else None
+
+
+class Night(Feature):
+    name = "night"
+    session = "__init__:InSession"
+    gate = "__init__:GATE"
+
+
+ROW = Row("night", (SubmitCommand, DispatchCommand), dark)
+GATE = FeatureGate(rows=(FeatureRow(ROW, before=not_watched),))
+"""
+DRIVES = """
+import asyncio, sys
+from pathlib import Path
+from tests.session.rig import SessionRig
+from woz_tui.gate.questions import RequestOrigin
+from woz_tui.protocol import messages as m
+
+KEY = RequestOrigin("key", "h", "con1")
+
+async def scenario(rig):
+    for _ in range(2):
+        rig.session.send("drive", {"x": 1.0}, "", KEY, when_busy="queue")
+    await asyncio.sleep(1)
+    rig.session.hub.publish(m.Marker(text="sunset"))
+    rig.session.send("drive", {"x": 1.0}, "", KEY)
+    rig.session.send("play", {"move": "nod"}, "", KEY)
+
+rig = SessionRig(Path(sys.argv[1])).run(scenario, 12)
+print(*[f"{line.command} {line.code} {line.reason}" for line in rig.of(m.Refused)], sep="\\n")
+print(*[line.command for line in rig.of(m.Done)])
+"""
+
+
+@pytest.mark.safety
+def test_a_row_about_commands_is_asked_on_their_way_and_again_before_the_driver(
+    tmp_path: Path,
+) -> None:
+    site = tmp_path / "site"
+    (site / "night-1.0.dist-info").mkdir(parents=True)
+    (site / "night").mkdir()
+    (site / "night" / "__init__.py").write_text(NIGHT)
+    metadata = "Metadata-Version: 2.1\nName: night\nVersion: 1.0\n"
+    (site / "night-1.0.dist-info" / "METADATA").write_text(metadata)
+    points = "[woz_tui.features]\nnight = night:Night\n"
+    (site / "night-1.0.dist-info" / "entry_points.txt").write_text(points)
+    done = subprocess.run(
+        [sys.executable, "-c", DRIVES, str(tmp_path)],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        env=os.environ | {"PYTHONPATH": str(site)},
+        cwd=ROOT,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    on_its_way, waited, ended = done.stdout.splitlines()
+    assert on_its_way == "c00003 night it is dark"
+    assert waited == "c00002 night it is dark"
+    assert ended == "c00004 c00001", "what drives already, and what does not"
+
+
+def test_a_row_that_nobody_would_ask_is_none() -> None:
+    for kind in (ClientRequest, PlayEffect):
+        with pytest.raises(ValueError, match=f"not asked about {kind.__name__}"):
+            FeatureGate(rows=(FeatureRow(Row("weather", (kind,), stop_pressed)),))
 
 
 FILE = """

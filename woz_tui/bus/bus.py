@@ -81,6 +81,16 @@ class DrivingWatch(Protocol):
         """It may drive, and does."""
 
 
+class FeatureFacts(Protocol):
+    """What features say of the moment, for their rows of the gate."""
+
+    #: Those that have failed, with what they said last.
+    failed: Mapping[str, object]
+
+    def facts(self) -> Mapping[str, object]:
+        """By name."""
+
+
 class Bus:
     """Queues, deadlines and the stop for all drivers of a session.
 
@@ -144,6 +154,8 @@ class Bus:
         self.unwatched = ""
         #: Who watches over what drives.
         self.watch: DrivingWatch | None = None
+        #: What features say of the moment, where they have rows about commands.
+        self.features: FeatureFacts | None = None
 
     def add(self, name: str, performer: Performer, verbs: Iterable[Verb]) -> None:
         """One more who carries out verbs."""
@@ -231,10 +243,13 @@ class Bus:
             driving = Driving(self.unwatched)
             if self.watch is not None and not self.unwatched:
                 driving = self.watch.facts(command)
+        features = self.features
         return Facts(
             stopped=self.latched,
             unrecorded=self._unrecorded(),
             driving=driving,
+            features={} if features is None else features.facts(),
+            failed=() if features is None else features.failed,
             consents=self.consents.people,
         )
 

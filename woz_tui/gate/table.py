@@ -620,6 +620,12 @@ class FeatureGate:
     participant_may: tuple[type[r.Request], ...] = ()
     after_leaving: tuple[type[r.Request], ...] = ()
 
+    def __post_init__(self) -> None:
+        """A row that nobody would ask forbids nothing, and nobody would see that."""
+        for kind in (ClientRequest, PlayEffect):
+            if any(kind in each.row.about for each in self.rows):
+                raise ValueError(f"rows of features are not asked about {kind.__name__}")
+
 
 _COMMAND = (SubmitCommand, DispatchCommand)
 
@@ -676,6 +682,12 @@ def all_rows() -> tuple[Row, ...]:
             )
             rows.insert(next(places, len(rows)), own)
     return tuple(rows)
+
+
+@cache
+def features_judge_commands() -> bool:
+    """Whether a feature has a row about commands."""
+    return any(row.feature and {*row.about} & {*_COMMAND} for row in all_rows())
 
 
 def rows_about(question: type, rows: Iterable[Row] | None = None) -> tuple[Row, ...]:

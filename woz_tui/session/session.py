@@ -28,7 +28,7 @@ from woz_tui.drivers.feeds import Feeds
 from woz_tui.drivers.own_voice import ROBOT_SPEECH
 from woz_tui.gate.facts import Facts
 from woz_tui.gate.questions import PlayAction, ReleaseStop, RequestOrigin, SendOwnVerb, SendVerb
-from woz_tui.gate.table import why_not
+from woz_tui.gate.table import features_judge_commands, why_not
 from woz_tui.log.file_names import media_folder
 from woz_tui.log.recorder import Recorder
 from woz_tui.protocol import messages as m
@@ -164,6 +164,8 @@ class Session:
             self._calls_in,
         )
         self.features = SessionFeatures(self)
+        if features_judge_commands():
+            self.bus.features = self.features
         for name, performer in self.features.performing.items():
             self.bus.add(name, performer, performer.verbs)
         if any(verb.by_mood for verbs in self.bus.verbs.values() for verb in verbs.values()):

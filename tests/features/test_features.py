@@ -141,30 +141,24 @@ print("left out", sorted(left_out()))
 """
 
 
-@pytest.fixture
-def environment(tmp_path: Path) -> dict[str, str]:
-    """One in which the features of somebody else are installed."""
-    site = tmp_path / "site"
-    (site / "strangers").mkdir(parents=True)
-    (site / "strangers" / "__init__.py").write_text(STRANGERS)
-    info = site / "strangers-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: strangers\nVersion: 1.0\n")
-    more = ("twice = strangers:Twice", "ungated = strangers:Ungated")
-    points = (
-        "failing = strangers:Failing",
-        "absent = strangers:Absent",
-        "no = strangers:NoFeature",
-    )
-    (info / "entry_points.txt").write_text("\n".join(("[woz_tui.features]", *points, *more)) + "\n")
-    return os.environ | {"PYTHONPATH": str(site)}
+def installed(folder: Path, package: str, *points: str, **modules: str) -> dict[str, str]:
+    """The environment of a Python in which this package of somebody else is installed: its entry
+    points, and its modules by name.
+    """
+    (folder / f"{package}-1.0.dist-info").mkdir(parents=True)
+    (folder / package).mkdir()
+    for name, text in modules.items():
+        (folder / package / f"{name}.py").write_text(text)
+    info = folder / f"{package}-1.0.dist-info"
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("\n".join(("[woz_tui.features]", *points)) + "\n")
+    return os.environ | {"PYTHONPATH": str(folder)}
 
 
-def test_a_feature_that_fails_is_named_and_the_session_goes_on(
-    tmp_path: Path, environment: dict[str, str]
-) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", SESSION, str(tmp_path)],
+def python(environment: dict[str, str], *words: str) -> subprocess.CompletedProcess[str]:
+    """What a Python there says."""
+    return subprocess.run(
+        [sys.executable, *words],
         capture_output=True,
         text=True,
         timeout=100,
@@ -172,6 +166,22 @@ def test_a_feature_that_fails_is_named_and_the_session_goes_on(
         cwd=ROOT,
         check=False,
     )
+
+
+@pytest.fixture
+def environment(tmp_path: Path) -> dict[str, str]:
+    """One in which the features of somebody else are installed."""
+    points = (
+        *("failing = strangers:Failing", "absent = strangers:Absent", "no = strangers:NoFeature"),
+        *("twice = strangers:Twice", "ungated = strangers:Ungated"),
+    )
+    return installed(tmp_path / "site", "strangers", *points, __init__=STRANGERS)
+
+
+def test_a_feature_that_fails_is_named_and_the_session_goes_on(
+    tmp_path: Path, environment: dict[str, str]
+) -> None:
+    done = python(environment, "-c", SESSION, str(tmp_path))
     assert done.returncode == 0, done.stderr
     told = done.stdout.splitlines()
     assert told.pop(0) == "shine done"
@@ -191,10 +201,8 @@ def test_a_feature_that_fails_is_named_and_the_session_goes_on(
 def test_a_row_of_which_no_moment_is_known_is_one_that_only_a_session_knows(
     environment: dict[str, str],
 ) -> None:
-    words = [sys.executable, "-m", "woz_tui", "check", "experiments/demo.yaml", "--why", "h"]
-    told = subprocess.run(
-        words, capture_output=True, text=True, timeout=100, env=environment, cwd=ROOT, check=True
-    ).stdout
+    words = ("-m", "woz_tui", "check", "experiments/demo.yaml", "--why", "h")
+    told = python(environment, *words).stdout
     [last] = [line for line in told.splitlines() if line.startswith("only a session knows:")]
     assert "moon" in last.split(": ")[1].split(", ")
     assert "profile" not in last
@@ -262,23 +270,8 @@ print(*[line.command for line in rig.of(m.Done)])
 def test_a_row_about_commands_is_asked_on_their_way_and_again_before_the_driver(
     tmp_path: Path,
 ) -> None:
-    site = tmp_path / "site"
-    (site / "night-1.0.dist-info").mkdir(parents=True)
-    (site / "night").mkdir()
-    (site / "night" / "__init__.py").write_text(NIGHT)
-    metadata = "Metadata-Version: 2.1\nName: night\nVersion: 1.0\n"
-    (site / "night-1.0.dist-info" / "METADATA").write_text(metadata)
-    points = "[woz_tui.features]\nnight = night:Night\n"
-    (site / "night-1.0.dist-info" / "entry_points.txt").write_text(points)
-    done = subprocess.run(
-        [sys.executable, "-c", DRIVES, str(tmp_path)],
-        capture_output=True,
-        text=True,
-        timeout=100,
-        env=os.environ | {"PYTHONPATH": str(site)},
-        cwd=ROOT,
-        check=False,
-    )
+    site = installed(tmp_path / "site", "night", "night = night:Night", __init__=NIGHT)
+    done = python(site, "-c", DRIVES, str(tmp_path))
     assert done.returncode == 0, done.stderr
     on_its_way, waited, ended = done.stdout.splitlines()
     assert on_its_way == "c00003 night it is dark"
@@ -332,24 +325,9 @@ SECTION = Fails(Keys, 0)
 
 
 def test_a_feature_that_fails_with_a_file_is_told_as_its_mistake(tmp_path: Path) -> None:
-    site = tmp_path / "site"
-    (site / "moons-1.0.dist-info").mkdir(parents=True)
-    (site / "moons").mkdir()
-    (site / "moons" / "__init__.py").write_text(MOONS)
-    (site / "moons" / "section.py").write_text(READER)
-    metadata = "Metadata-Version: 2.1\nName: moons\nVersion: 1.0\n"
-    (site / "moons-1.0.dist-info" / "METADATA").write_text(metadata)
-    points = "[woz_tui.features]\nmoons = moons:Moons\n"
-    (site / "moons-1.0.dist-info" / "entry_points.txt").write_text(points)
-    done = subprocess.run(
-        [sys.executable, "-c", FILE, str(ROOT / "experiments" / "guide.yaml")],
-        capture_output=True,
-        text=True,
-        timeout=100,
-        env=os.environ | {"PYTHONPATH": str(site)},
-        cwd=ROOT,
-        check=False,
-    )
+    moons = {"__init__": MOONS, "section": READER}
+    site = installed(tmp_path / "site", "moons", "moons = moons:Moons", **moons)
+    done = python(site, "-c", FILE, str(ROOT / "experiments" / "guide.yaml"))
     assert done.returncode == 0, done.stderr
     (problem,) = done.stdout.splitlines()
     assert "guide.yaml:" in problem
@@ -415,46 +393,29 @@ for file in sys.argv[1:]:
 
 @pytest.mark.safety
 def test_no_session_begins_where_what_the_file_forbids_cannot_be_forbidden(tmp_path: Path) -> None:
-    site = tmp_path / "site"
-    (site / "guarded-1.0.dist-info").mkdir(parents=True)
-    (site / "guarded").mkdir()
-    for name, text in GUARDED.items():
-        (site / "guarded" / f"{name}.py").write_text(text)
-    metadata = "Metadata-Version: 2.1\nName: guarded\nVersion: 1.0\n"
-    (site / "guarded-1.0.dist-info" / "METADATA").write_text(metadata)
-    points = "[woz_tui.features]\nguarded = guarded:Guarded\n"
-    (site / "guarded-1.0.dist-info" / "entry_points.txt").write_text(points)
+    folder = tmp_path / "site"
+    site = installed(folder, "guarded", "guarded = guarded:Guarded", **GUARDED)
     plain, used = tmp_path / "plain.yaml", tmp_path / "used.yaml"
     panels = "panels: [{title: Speech, actions: [{key: h, label: Hello, say: Hello}]}]"
     plain.write_text(f"title: Guide\nrobot: simulated\n{panels}\n")
     used.write_text(f"{plain.read_text()}guarded: 1\n")
 
-    def run(*words: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [sys.executable, *words],
-            capture_output=True,
-            text=True,
-            timeout=100,
-            env=os.environ | {"PYTHONPATH": str(site)},
-            cwd=ROOT,
-            check=False,
-        )
-
-    done = run("-c", READ, str(plain), str(used))
+    words = ("-m", "woz_tui", "host", str(used), "--recordings", str(tmp_path / "recordings"))
+    done = python(site, "-c", READ, str(plain), str(used))
     assert done.returncode == 0, done.stderr
     first, second = done.stdout.splitlines()
     assert first == "begins", "the file does not use it"
     assert "used.yaml:1:1: guarded: the feature cannot be used" in second
     assert "ModuleNotFoundError" in second
-    host = run("-m", "woz_tui", "host", str(used), "--recordings", str(tmp_path / "recordings"))
+    host = python(site, *words)
     assert host.returncode == 1
     assert "guarded: the feature cannot be used" in host.stderr
     assert not (tmp_path / "recordings").exists()
 
-    (site / "guarded" / "part.py").write_text(RAISING)
+    (folder / "guarded" / "part.py").write_text(RAISING)
     text = GUARDED["__init__"].replace("nowhere:Nothing", "part:Raising")
-    (site / "guarded" / "__init__.py").write_text(text)
-    host = run("-m", "woz_tui", "host", str(used), "--recordings", str(tmp_path / "recordings"))
+    (folder / "guarded" / "__init__.py").write_text(text)
+    host = python(site, *words)
     assert host.returncode == 1
     assert "guarded failed and cannot begin" in host.stderr
 

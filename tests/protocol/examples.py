@@ -13,7 +13,7 @@ from pathlib import Path
 
 import msgspec
 
-from tests.protocol.feature_examples import feature_examples
+from tests.protocol.feature_examples import feature_examples, further_examples
 from tests.protocol.study_examples import BEGINNING, COURSE, FILE_SHA
 from woz_tui.gate.table import UNDONE, locked_panel
 from woz_tui.protocol import codec
@@ -372,6 +372,7 @@ MESSAGES: tuple[m.Message, ...] = (
     *feature_examples("page", "MESSAGES"),
     *feature_examples("dictation", "MESSAGES"),
 )
+MESSAGES += further_examples("MESSAGES", MESSAGES)
 
 _PANELS = [
     PanelView(
@@ -475,6 +476,7 @@ REQUESTS: tuple[r.Request, ...] = (
     *feature_examples("dictation", "REQUESTS"),
     r.AskCancel(ref=64, asked=60),
 )
+REQUESTS += further_examples("REQUESTS", REQUESTS)
 
 
 def messages() -> list[m.Message]:

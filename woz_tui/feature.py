@@ -112,6 +112,8 @@ class Feature:
         words: Its section of the language files (`config.languages`).
         robot_keys: Keys of robot files that its section reads.
         keys: A file with its keys of the console, made like `config/keys/builtin_keys.json`.
+        translations: A folder with what it says on the screen in other languages (`de.yaml`), made
+            like the files in `languages/screen`, where ours have theirs.
         sentences: What the console's list of events says of its messages, made like
             `console.state.event_sentences.SENTENCES`.
         notes: A subclass of `console.state.feature_notes.FeatureNotes`: what a screen keeps of it.
@@ -150,6 +152,7 @@ class Feature:
     words: ClassVar[str] = ""
     robot_keys: ClassVar[tuple[str, ...]] = ()
     keys: ClassVar[str] = ""
+    translations: ClassVar[str] = ""
     sentences: ClassVar[str] = ""
     notes: ClassVar[str] = ""
     command_words: ClassVar[str] = ""

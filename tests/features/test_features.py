@@ -334,6 +334,30 @@ def test_a_feature_that_fails_with_a_file_is_told_as_its_mistake(tmp_path: Path)
     assert "the feature 'moons' fails with this file: ZeroDivisionError" in problem
 
 
+GERMAN = """
+from woz_tui.config.screen_language import say, use
+
+use("de")
+print(say("moons.full", "the moon is full"))
+print(say("moons.new", "the moon is new"))
+print(say("gate.ending", "the session is ending"))
+"""
+
+
+@pytest.mark.parametrize("broken", [False, True])
+def test_a_feature_of_others_brings_its_german(tmp_path: Path, broken: bool) -> None:
+    moons = {"__init__": f"{MOONS}    translations = 'words'\n", "section": READER}
+    site = installed(tmp_path / "site", "moons", "moons = moons:Moons", **moons)
+    words = tmp_path / "site" / "moons" / "words"
+    words.mkdir()
+    german = "moons:\n  full: Vollmond\ngate:\n  ending: etwas anderes\n"
+    (words / "de.yaml").write_text("moons: [" if broken else german)
+    done = python(site, "-c", GERMAN)
+    assert done.returncode == 0, done.stderr
+    full = "the moon is full" if broken else "Vollmond"
+    assert done.stdout.splitlines() == [full, "the moon is new", "die Sitzung wird gerade beendet"]
+
+
 GUARDED = {
     "__init__": """
 from woz_tui.feature import Feature
@@ -421,7 +445,7 @@ def test_no_session_begins_where_what_the_file_forbids_cannot_be_forbidden(tmp_p
 
 
 def test_none_of_ours_is_left_out_and_each_piece_is_what_its_room_uses() -> None:
-    texts = {"keys", "words"}
+    texts = {"keys", "translations", "words"}
     rooms = {name for name, value in vars(Feature).items() if value == ""} - texts
     for name in rooms:
         pieces(name, object)

@@ -1,8 +1,9 @@
 """The language of the screen: what the wizard reads, worded from one catalogue.
 
 Files in `woz_tui/languages/screen`, one for each language, with sections of sentences by name.
-What a file leaves out, or fills in wrongly, is English, sentence by sentence. A program has one
-language, which `use` sets; `word` and `say` give a sentence in it.
+Features of others bring theirs (`Feature.translations`). What a file leaves out, or fills in
+wrongly, is English, sentence by sentence. A program has one language, which `use` sets; `word` and
+`say` give a sentence in it.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from typing import Any, TypeVar
 
 import msgspec
 
+from woz_tui.feature import features
 from woz_tui.protocol.sentence import Sentence
 
 log = logging.getLogger(__name__)
@@ -62,6 +64,19 @@ def catalogue(code: str) -> Catalogue:
     path = FOLDER / f"{code}.yaml"
     if code == ENGLISH or not path.is_file():
         return {}
+    found: dict[str, str] = {}
+    for feature in features().values():
+        folder = feature.file(feature.translations)
+        if folder is None or not (file := folder / path.name).is_file():
+            continue
+        try:
+            found |= _sentences_in(file)
+        except LanguageFileError as error:
+            log.warning("the feature %s is English: %s", feature.name, error)
+    return {**found, **_sentences_in(path)}
+
+
+def _sentences_in(path: Path) -> dict[str, str]:
     import yaml  # noqa: PLC0415 - a screen in English needs none
 
     try:

@@ -358,6 +358,20 @@ def test_a_feature_of_others_brings_its_german(tmp_path: Path, broken: bool) -> 
     assert done.stdout.splitlines() == [full, "the moon is new", "die Sitzung wird gerade beendet"]
 
 
+@pytest.mark.parametrize("keys", ["", '[{"id": "moons"}]', "[}"])
+def test_keys_that_cannot_be_read_leave_the_consoles_own(tmp_path: Path, keys: str) -> None:
+    moons = {"__init__": f"{MOONS}    keys = 'keys.json'\n", "section": READER}
+    site = installed(tmp_path / "site", "moons", "moons = moons:Moons", **moons)
+    if keys:
+        (tmp_path / "site" / "moons" / "keys.json").write_text(keys)
+    script = (
+        "from woz_tui.config.keys import BUILTIN_KEYS; from woz_tui.feature import left_out;"
+        "print([key.id for key in BUILTIN_KEYS][0], *left_out())"
+    )
+    done = python(site, "-c", script)
+    assert (done.returncode, done.stdout.split()) == (0, ["stop", "moons"]), done.stderr
+
+
 GUARDED = {
     "__init__": """
 from woz_tui.feature import Feature

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import msgspec
 
-from woz_tui.feature import features
+from woz_tui.feature import features, leave_out
 from woz_tui.protocol.sentence import Sentence
 
 
@@ -34,12 +34,22 @@ class BuiltinKey:
     behind: str = ""
 
 
+def _keys_in(path: Path) -> list[BuiltinKey]:
+    return msgspec.json.decode(path.read_bytes(), type=list[BuiltinKey])
+
+
+def _of_features() -> Iterator[BuiltinKey]:
+    for name, feature in features().items():
+        path = feature.file(feature.keys)
+        try:
+            yield from _keys_in(path) if path is not None else ()
+        except (OSError, msgspec.DecodeError) as error:
+            leave_out(name, error)  # of others: the console has its keys without it
+
+
 def _keys() -> tuple[BuiltinKey, ...]:
-    files = [Path(__file__).with_name("builtin_keys.json")]
-    files += [path for each in features().values() if (path := each.file(each.keys))]
-    rows = (msgspec.json.decode(path.read_bytes(), type=list[BuiltinKey]) for path in files)
     keys: list[BuiltinKey] = []
-    for key in (key for each in rows for key in each):
+    for key in (*_keys_in(Path(__file__).with_name("builtin_keys.json")), *_of_features()):
         behind = (at for at, other in enumerate(keys, 1) if other.id == key.behind)
         does = Sentence(f"keys.{key.id}", key.description)
         keys.insert(next(behind, len(keys)), replace(key, description=does))

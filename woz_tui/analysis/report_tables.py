@@ -57,7 +57,7 @@ TERMINAL_COLUMNS = (
     *("duration", "wizard_actions", "cues", "cues_missed", "reaction_median_s", "press_median_ms"),
     *("engaged_share", "mistakes", "stops", "actions_failed", "episodes", "press_p95_ms"),
     *("wizard_actions_per_minute", "gap_median_s", "reaction_p95_s", "actions_refused"),
-    *("action_median_s", "episode_median_s", "mistake_rate", "markers", "notes"),
+    *("action_median_s", "episode_median_s", "mistake_rate", "markers", "notes", *OF_FEATURES),
 )
 #: The main figures by participant and condition on the page, by which its rows can be sorted.
 PAGE_COLUMNS = (
@@ -440,7 +440,7 @@ def condition_rows(rows: Sequence[ConditionRow]) -> ReportTable:
     measures = [
         measure
         for measure in map(BY_NAME.__getitem__, TERMINAL_COLUMNS)
-        if any(_row_value(row, measure) is not None for row in rows)
+        if _is_told(measure.name, [_row_value(row, measure) for row in rows])
     ]
     found, last = [], ""
     for row in rows:
@@ -451,6 +451,13 @@ def condition_rows(rows: Sequence[ConditionRow]) -> ReportTable:
         last = who
     heads = ("Who", "Condition", "Session", *(each.short.capitalize() for each in measures))
     return ReportTable("By participant and condition", heads, found, words=3)
+
+
+def _is_told(name: str, values: Iterable[float | None]) -> bool:
+    """Whether a main figure has a column or row: not where it exists nowhere, nor, where a feature
+    counts it, where that had nothing to count.
+    """
+    return any(values) if name in OF_FEATURES else any(value is not None for value in values)
 
 
 def _row_value(row: ConditionRow, measure: Measure) -> float | None:
@@ -469,6 +476,7 @@ def condition_totals(totals: Sequence[ConditionTotal]) -> ReportTable:
             *(total_text(each.values[name], each.participants, BY_NAME[name]) for each in totals),
         ]
         for name in TERMINAL_COLUMNS
+        if _is_told(name, [each.values[name].mean for each in totals])
     ]
     return ReportTable(
         f"By condition: {OVER}",

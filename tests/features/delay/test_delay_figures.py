@@ -8,7 +8,8 @@ from tests.analysis.example_sessions import SECOND, ExampleSession, figures_of, 
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.figures_json import plain
 from woz_tui.analysis.methods_section import paragraphs
-from woz_tui.analysis.report_tables import circumstances
+from woz_tui.analysis.participant_groups import GroupedSessions
+from woz_tui.analysis.report_tables import circumstances, condition_rows, condition_totals
 from woz_tui.analysis.study_figures import StudyFacts
 from woz_tui.features.delay.kinds import ActionHeld, ShapingChanged
 from woz_tui.protocol import messages as m
@@ -74,3 +75,16 @@ def test_programs_find_it_where_it_has_always_been() -> None:
     ]
     assert figures["whole"]["held"]["median"] == 250_000
     assert figures["whole"]["main"]["held_median_s"] == 0.25
+
+
+def test_reports_of_many_sessions_tell_it_where_answers_were_delayed() -> None:
+    plain_ones = [ExampleSession(participant=code).act(2).end(30) for code in ("P02", "P03")]
+    delayed = ExampleSession(participant="P01").act(2)
+    delayed.add(1, ActionHeld(run="a1", action="a", sort="speech", cued=0, until=1_250_000))
+    for sessions, told in ((plain_ones, False), ([delayed.end(30), *plain_ones], True)):
+        grouped = GroupedSessions()
+        for session in sessions:
+            grouped.add(session_figures(session))
+        assert ("Held" in condition_rows(grouped.rows).heads) is told
+        totals = condition_totals(grouped.totals(grouped.experiments[0]))
+        assert ("Answers delayed on purpose" in [row[0] for row in totals.rows]) is told

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import gc
 import os
-from collections.abc import Iterator
+import re
+from collections.abc import Generator, Iterator
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 from tests.example_counts import EXAMPLES
+from woz_tui.feature import features
 from woz_tui.system.user_folders import SEEN, WIZARD
 from woz_tui.testing import contract_checks
 
@@ -38,6 +40,25 @@ def pytest_collection_finish() -> None:
     """
     gc.freeze()
     gc.enable()
+
+
+#: What Python says where a module lacks that a feature, or its tests, would have.
+_NO_FEATURE = re.compile(r"No module named '(?:woz_tui|tests)\.features\.(\w+)")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(
+    collector: pytest.Collector,
+) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    """Tests that need a feature which was taken out of the list are left out, and named: those of
+    it, of features that use it, and those that go through all of a session or report.
+    """
+    report = yield
+    lacks = _NO_FEATURE.search(str(report.longrepr)) if report.failed else None
+    if lacks is not None and lacks[1] not in features():
+        report.outcome = "skipped"
+        report.longrepr = (str(collector.path), 0, f"Skipped: there is no feature {lacks[1]}")
+    return report
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -20,6 +20,7 @@ import msgspec
 
 from tests.console import bodies, scenes, study_scene
 from tests.console.scripted_feed import ScriptedFeed
+from tests.features.questionnaires import scene
 from tools import EXPERIMENTS, IMAGES, demo_session
 from woz_tui.config.loading import load
 from woz_tui.config.screen_language import use
@@ -177,7 +178,7 @@ def questionnaire() -> ScriptedFeed:
     """In the middle of a questionnaire."""
     return _told(
         study_scene.welcome(
-            study_scene.questionnaire_started(), study_scene.questionnaire_answered("pleasant", 6.0)
+            scene.questionnaire_started(), scene.questionnaire_answered("pleasant", 6.0)
         )
     )
 

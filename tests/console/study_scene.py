@@ -8,12 +8,6 @@ from typing import Any
 import msgspec
 
 from tests.console import scenes
-from woz_tui.features.questionnaires.kinds import (
-    AskQuestionnaire,
-    QuestionnaireAnswered,
-    QuestionnaireEnded,
-    QuestionnaireStarted,
-)
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.welcome import StudySettings
@@ -96,40 +90,6 @@ def trial(number: int = 3, condition: str = "cold", ago: float = 161.0) -> m.Tri
     """A trial that began `ago` seconds before the moment of the scenes."""
     t = NOW - round(ago * SECOND)
     return m.TrialStarted(trial=number, condition=condition, planned=4, t=t)
-
-
-def asks(questionnaire: dict[str, m.Json] = ROBOT, source: str = "wizard") -> r.Request:
-    """The request that begins a questionnaire."""
-    return AskQuestionnaire(questionnaire=str(questionnaire["name"]), source=source)
-
-
-def questionnaire_started(
-    questionnaire: dict[str, m.Json] = ROBOT, t: int = NOW
-) -> QuestionnaireStarted:
-    """A questionnaire begins."""
-    items: Any = questionnaire["items"]
-    return QuestionnaireStarted(
-        questionnaire=str(questionnaire["name"]),
-        title=str(questionnaire["title"]),
-        items=items,
-        t=t,
-    )
-
-
-def questionnaire_ended(
-    name: str = "robot", reason: str = "done", count: int = 4
-) -> QuestionnaireEnded:
-    """It is over."""
-    return QuestionnaireEnded(questionnaire=name, reason=reason, answered=count, t=NOW)
-
-
-def questionnaire_answered(
-    item: str, value: float | None = None, **more: Any
-) -> QuestionnaireAnswered:
-    """Somebody answers."""
-    return QuestionnaireAnswered(
-        questionnaire="robot", item=item, question=item, value=value, t=NOW, **more
-    )
 
 
 def welcome(*state: m.Message, study: dict[str, m.Json] | None = None, **more: Any) -> r.Welcome:

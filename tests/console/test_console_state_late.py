@@ -11,12 +11,8 @@ from hypothesis import strategies as st
 
 from tests.console import scenes
 from tests.console.scripted_feed import raw
-from tests.console.study_scene import (
-    conditions_assigned,
-    questionnaire_ended,
-    questionnaire_started,
-    study_description,
-)
+from tests.console.study_scene import conditions_assigned, study_description
+from tests.features.questionnaires.scene import questionnaire_ended, questionnaire_started
 from tests.replay.logs import seen_by_wizard, stamped
 from tests.timeline.random_sessions import damaged, plan, recordings, start
 from tests.timeline.random_sessions import stamped as stamped_again

@@ -11,13 +11,9 @@ from pathlib import Path
 import msgspec
 from hypothesis import strategies as st
 
+from tests.protocol.feature_examples import feature_examples
 from woz_tui.export.event_model import ExportSession
 from woz_tui.export.log_sources import find_sources, read_session
-from woz_tui.features.questionnaires.kinds import (
-    QuestionnaireAnswered,
-    QuestionnaireEnded,
-    QuestionnaireStarted,
-)
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.system.clock import timestamp
@@ -120,28 +116,9 @@ def visit() -> list[Timed]:
         (7.5, m.StopConfirmed(confirmed=["voice"], missing=[], elapsed_us=500_000)),
         (8, m.StopReleased(source="key")),
         (8.5, m.TrialEnded(trial=1, outcome="done")),
-        (9, QuestionnaireStarted(questionnaire="robot", title="?", items=[_ITEM, _ELSE])),
-        (9.5, _answer("friendly", value=5.0)),
-        (9.6, _answer("friendly", value=6.0)),
-        (9.7, _answer("else", text="-it blinked")),
-        (10, QuestionnaireEnded(questionnaire="robot", reason="done", answered=2)),
+        *feature_examples("questionnaires", "VISIT"),
         (11, m.ActionRequested(run="r3", action="Dance", panel="Gestures", source="key")),
     ]
-
-
-_ITEM = {"name": "friendly", "question": "It was friendly.", "low": 1, "high": 7}
-_ELSE = {"name": "else", "question": "Else?", "text": True}
-
-
-def _answer(item: str, value: float | None = None, text: str = "") -> QuestionnaireAnswered:
-    return QuestionnaireAnswered(
-        questionnaire="robot",
-        item=item,
-        question="It was friendly.",
-        value=value,
-        text=text,
-        answered_us=500_000,
-    )
 
 
 # -- at random --------------------------------------------------------------------------------
@@ -208,13 +185,16 @@ MESSAGES: Sequence[st.SearchStrategy[m.Message]] = (
         conflicts=st.lists(WORDS, max_size=2),
     ),
     st.builds(m.SessionChanged, participant=st.sampled_from(["P07", "P08"])),
-    st.builds(
-        QuestionnaireAnswered,
-        questionnaire=st.just("robot"),
-        item=st.sampled_from(["a", "b"]),
-        question=WORDS,
-        value=st.one_of(st.none(), st.floats(allow_nan=False, allow_infinity=False)),
-        text=WORDS,
+    *(
+        st.builds(
+            answered,
+            questionnaire=st.just("robot"),
+            item=st.sampled_from(["a", "b"]),
+            question=WORDS,
+            value=st.one_of(st.none(), st.floats(allow_nan=False, allow_infinity=False)),
+            text=WORDS,
+        )
+        for answered in feature_examples("questionnaires", "ANSWERED")
     ),
 )
 #: Moments some of which are the same, in any distance.

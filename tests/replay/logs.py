@@ -8,11 +8,10 @@ from typing import Any
 
 import msgspec
 
+from tests.protocol.feature_examples import feature_examples
 from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.console.state.event_sentences import EventLine
 from woz_tui.console.state.view_models import SensorView
-from woz_tui.features.profiles.console import profiles_of
-from woz_tui.features.questionnaires.console import questionnaires_of
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
@@ -245,13 +244,12 @@ def seen_by_wizard(state: ConsoleState, local: int = 0) -> dict[str, object]:
             for name in ("trial", "last_ended", "in_break", "planned", "order", "next_trial")
         },
         "questions": {name: getattr(state.study, name) for name in ("checks", "participants")},
-        "asked": (questionnaires_of(state).due, questionnaires_of(state).open),
-        "had": set(questionnaires_of(state).history.had),
+        "asked": [shown(state) for shown in feature_examples("questionnaires", "SHOWN")],
         "model": (state.engaged.speaking(session.t), state.engaged.transcripts()),
         "changes": [*state.engaged.changes],
         "robots": session.robots.shown,
         "bodies": (session.bodies, session.faces, session.controls),
-        "profile": profiles_of(state).current,
+        "profile": [shown(state) for shown in feature_examples("profiles", "SHOWN")],
         "under way": state.moves(session.t),
         "ended": state.ended,
         "now": state.now(local),

@@ -8,12 +8,8 @@ from pathlib import Path
 
 import msgspec
 
+from tests.protocol.feature_examples import feature_examples
 from woz_tui.analysis.session_reading import ReportExtras, SessionReport, read_report
-from woz_tui.features.questionnaires.kinds import (
-    QuestionnaireAnswered,
-    QuestionnaireEnded,
-    QuestionnaireStarted,
-)
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 
@@ -211,14 +207,8 @@ def ordinary(
 
 def _ask(builder: SessionLogBuilder, at: float) -> None:
     scale = {"name": "friendly", "question": "It was friendly.", "low": 1, "high": 7}
-    builder.tell(
-        at,
-        QuestionnaireStarted(questionnaire="robot", title="The robot", items=[scale], trial=2),
-        QuestionnaireAnswered(
-            questionnaire="robot", item="friendly", question="It was friendly.", value=6.0
-        ),
-        QuestionnaireEnded(questionnaire="robot", reason="done", answered=1),
-    )
+    for asked in feature_examples("questionnaires", "ASKED"):
+        builder.tell(at, *asked("robot", "The robot", scale, trial=2, value=6.0))
 
 
 def hostile() -> SessionLogBuilder:
@@ -234,11 +224,10 @@ def hostile() -> SessionLogBuilder:
         builder.speech(place + 1, at, at + 0.3, text)
         builder.tell(at, m.StopPressed(source=text, scope=text), m.StopReleased(source=text))
         item = {"name": text, "question": text, "text": True}
+        for asked in feature_examples("questionnaires", "ASKED"):
+            builder.tell(at, *asked(text, text, item, text=text))
         builder.tell(
             at,
-            QuestionnaireStarted(questionnaire=text, title=text, items=[item]),
-            QuestionnaireAnswered(questionnaire=text, item=text, question=text, text=text),
-            QuestionnaireEnded(questionnaire=text, reason="done", answered=1),
             m.TrialStarted(trial=place, condition=text),
             m.PerceptionChanged(hidden=[text], blurred=[text]),
         )

@@ -1,5 +1,9 @@
 """Examples of what is said and asked of questionnaires, for the golden files of the protocol."""
 
+from typing import Any
+
+from woz_tui.console.state.console_state import ConsoleState
+from woz_tui.features.questionnaires.console import questionnaires_of
 from woz_tui.features.questionnaires.history import QuestionnaireHistory
 from woz_tui.features.questionnaires.kinds import (
     AskAnswer,
@@ -8,6 +12,7 @@ from woz_tui.features.questionnaires.kinds import (
     QuestionnaireEnded,
     QuestionnaireStarted,
 )
+from woz_tui.protocol.envelope import Message
 from woz_tui.protocol.messages import Json
 from woz_tui.timeline.session_state import SessionState
 
@@ -97,8 +102,59 @@ def known(state: SessionState) -> dict[str, object]:
     return {"answers": answers, "due": asked.due(state), "had": asked.had}
 
 
+def shown(state: ConsoleState) -> tuple[object, ...]:
+    """What a console knows."""
+    asked = questionnaires_of(state)
+    return asked.due, asked.open, {*asked.history.had}
+
+
+def friendly(item: str, value: float | None = None, text: str = "") -> QuestionnaireAnswered:
+    """An answer in the short visit."""
+    return QuestionnaireAnswered(
+        questionnaire="robot",
+        item=item,
+        question="It was friendly.",
+        value=value,
+        text=text,
+        answered_us=500_000,
+    )
+
+
+def asked(
+    name: str, title: str, item: dict[str, Json], trial: int = -1, **given: Any
+) -> tuple[Message, ...]:
+    """One item from its question to its answer."""
+    words = {"item": str(item["name"]), "question": str(item["question"])}
+    return (
+        QuestionnaireStarted(questionnaire=name, title=title, items=[item], trial=trial),
+        QuestionnaireAnswered(questionnaire=name, **words, **given),
+        QuestionnaireEnded(questionnaire=name, reason="done", answered=1),
+    )
+
+
+#: At the end of a short visit, by the second.
+VISIT = (
+    (
+        9,
+        QuestionnaireStarted(
+            questionnaire="robot",
+            title="?",
+            items=[
+                {"name": "friendly", "question": "It was friendly.", "low": 1, "high": 7},
+                {"name": "else", "question": "Else?", "text": True},
+            ],
+        ),
+    ),
+    (9.5, friendly("friendly", value=5.0)),
+    (9.6, friendly("friendly", value=6.0)),
+    (9.7, friendly("else", text="-it blinked")),
+    (10, QuestionnaireEnded(questionnaire="robot", reason="done", answered=2)),
+)
+ANSWERED = (QuestionnaireAnswered,)
+ASKED = (asked,)
 #: For sessions at random, and what holds of any log.
 MAKERS = ({"started": started, "answered": answered, "ended": ended},)
 KNOWN = (known,)
+SHOWN = (shown,)
 #: What no session that was recorded has without its beginning.
 ENDS = (QuestionnaireEnded, QuestionnaireAnswered)

@@ -14,6 +14,7 @@ from textual.pilot import Pilot
 from tests.console import scenes, study_scene
 from tests.console.piloting import PATIENCE, work_through
 from tests.console.scripted_feed import ScriptedFeed
+from tests.features.questionnaires import scene
 from woz_tui.console.input.keyboard import Keyboard
 from woz_tui.console.link.message_feed import Incoming
 from woz_tui.features.questionnaires.kinds import AskAnswer, AskQuestionnaire
@@ -79,7 +80,7 @@ async def seated(
 async def test_it_waits_asks_and_thanks(size: tuple[int, int]) -> None:
     async with seated(size=size) as pilot:
         assert "Please wait." in pilot.drawn()
-        await pilot.tell(study_scene.questionnaire_started(study_scene.QUICK))
+        await pilot.tell(scene.questionnaire_started(study_scene.QUICK))
         assert "This visit" in pilot.drawn()
         await pilot.press("enter", "6")
         pilot.clock.advance(0.5)
@@ -90,7 +91,7 @@ async def test_it_waits_asks_and_thanks(size: tuple[int, int]) -> None:
         ended = pilot.feed.last(AskQuestionnaire)
         assert isinstance(ended, AskQuestionnaire)
         assert ended.what == "done"
-        await pilot.tell(study_scene.questionnaire_ended("quick"))
+        await pilot.tell(scene.questionnaire_ended("quick"))
         assert "Thank you!" in pilot.drawn()
         assert pilot.app.is_running
 
@@ -101,9 +102,9 @@ async def test_it_speaks_the_language_of_the_experiment() -> None:
     first = study_scene.welcome(role="participant", study=study)
     async with seated(first) as pilot:
         assert pilot.drawn().split() == ["Bitte", "warten."]
-        await pilot.tell(study_scene.questionnaire_started(study_scene.QUICK))
+        await pilot.tell(scene.questionnaire_started(study_scene.QUICK))
         assert "1 Frage." in pilot.drawn()
-        await pilot.tell(study_scene.questionnaire_ended("quick"))
+        await pilot.tell(scene.questionnaire_ended("quick"))
         assert "Danke!" in pilot.drawn()
 
 
@@ -119,7 +120,7 @@ async def test_no_key_plays_marks_releases_or_opens_anything() -> None:
         await pilot.press(*WIZARDS)
         assert pilot.kinds() == set()
         await pilot.tell(
-            m.StopReleased(source="key", t=study_scene.NOW), study_scene.questionnaire_started()
+            m.StopReleased(source="key", t=study_scene.NOW), scene.questionnaire_started()
         )
         await pilot.press("h", "f1", "ctrl+r", "ctrl+z", "ctrl+t", "full_stop", "asterisk")
         assert pilot.kinds() == set()
@@ -131,7 +132,7 @@ async def test_no_key_plays_marks_releases_or_opens_anything() -> None:
 @pytest.mark.parametrize("key", ["escape", "ctrl+c"])
 async def test_the_stop_works_as_everywhere(key: str) -> None:
     async with seated() as pilot:
-        await pilot.tell(study_scene.questionnaire_started())
+        await pilot.tell(scene.questionnaire_started())
         await pilot.press("enter", key)
         assert pilot.kinds() == {"AskStop"}
         assert pilot.app.is_running
@@ -149,7 +150,7 @@ async def test_it_is_left_by_the_wizards_key_alone() -> None:
 
 async def test_a_lost_line_keeps_the_answers_and_sends_them_again() -> None:
     async with seated() as pilot:
-        await pilot.tell(study_scene.questionnaire_started())
+        await pilot.tell(scene.questionnaire_started())
         await pilot.press("enter")
         pilot.feed.answers[AskAnswer] = lambda asked, ref: r.Reply(ref=0, ok=True)
         await pilot.press("6")
@@ -159,9 +160,7 @@ async def test_a_lost_line_keeps_the_answers_and_sends_them_again() -> None:
         await pilot.settle()
         assert "Just a moment" in pilot.drawn()
         del pilot.feed.answers[AskAnswer]
-        await pilot.tell(
-            study_scene.welcome(study_scene.questionnaire_started(), role="participant")
-        )
+        await pilot.tell(study_scene.welcome(scene.questionnaire_started(), role="participant"))
         sent = [asked for asked in pilot.feed.asked if isinstance(asked, AskAnswer)]
         assert [(ask_answer.item, ask_answer.value) for ask_answer in sent] == [
             ("pleasant", 6.0)
@@ -186,7 +185,7 @@ async def lost(pilot: ParticipantPilot) -> None:
 
 async def test_a_text_that_was_not_confirmed_is_kept_as_answers_are() -> None:
     async with seated() as pilot:
-        await pilot.tell(study_scene.questionnaire_started(TWO))
+        await pilot.tell(scene.questionnaire_started(TWO))
         await pilot.press("enter", "6", *"kind")
         for away, back in (("ctrl+d", "n"), ("up", "down")):
             await pilot.press(away)
@@ -195,9 +194,7 @@ async def test_a_text_that_was_not_confirmed_is_kept_as_answers_are() -> None:
             assert "kind!" in pilot.drawn()
         await lost(pilot)
         assert "kind" not in pilot.drawn()
-        await pilot.tell(
-            study_scene.welcome(study_scene.questionnaire_started(TWO), role="participant")
-        )
+        await pilot.tell(study_scene.welcome(scene.questionnaire_started(TWO), role="participant"))
         assert "kind!!" in pilot.drawn()
         pilot.clock.advance(1)
         await pilot.press("backspace", "backspace", "enter")
@@ -208,7 +205,7 @@ async def test_a_text_that_was_not_confirmed_is_kept_as_answers_are() -> None:
 
 async def test_a_text_that_was_left_out_after_all_does_not_come_back() -> None:
     async with seated() as pilot:
-        await pilot.tell(study_scene.questionnaire_started(TWO))
+        await pilot.tell(scene.questionnaire_started(TWO))
         await pilot.press("enter", "6", *"kind", "ctrl+d", "n")
         pilot.clock.advance(1)
         await pilot.press("tab")
@@ -221,12 +218,12 @@ async def test_a_text_that_was_left_out_after_all_does_not_come_back() -> None:
 async def test_the_next_participant_gets_nothing_of_the_one_before() -> None:
     """The line is away while one round ends and the next one of the same questionnaire begins."""
     async with seated() as pilot:
-        await pilot.tell(study_scene.questionnaire_started(TWO))
+        await pilot.tell(scene.questionnaire_started(TWO))
         pilot.feed.answers[AskAnswer] = lambda asked, ref: r.Reply(ref=0, ok=True)
         await pilot.press("enter", "6", *"kind")
         await lost(pilot)
         sent = len(pilot.feed.asked)
-        later = study_scene.questionnaire_started(TWO, t=study_scene.NOW + 60 * study_scene.SECOND)
+        later = scene.questionnaire_started(TWO, t=study_scene.NOW + 60 * study_scene.SECOND)
         await pilot.tell(study_scene.welcome(later, role="participant"))
         assert len(pilot.feed.asked) == sent
         await pilot.press("enter")
@@ -248,18 +245,18 @@ async def test_the_end_of_the_session_ends_it() -> None:
 
 async def test_one_questionnaire_alone_begins_when_it_is_due() -> None:
     async with seated(only="quick") as pilot:
-        await pilot.tell(study_scene.questionnaire_started())
+        await pilot.tell(scene.questionnaire_started())
         assert "Please wait." in pilot.drawn()
-        await pilot.tell(study_scene.questionnaire_ended(), study_scene.trial(1))
+        await pilot.tell(scene.questionnaire_ended(), study_scene.trial(1))
         assert pilot.kinds() == set()
         await pilot.tell(m.TrialEnded(trial=1, outcome="done", t=study_scene.NOW))
         asked = pilot.feed.last(AskQuestionnaire)
         assert isinstance(asked, AskQuestionnaire)
         assert (asked.questionnaire, asked.what) == ("quick", "begin")
-        await pilot.tell(study_scene.questionnaire_started(study_scene.QUICK))
+        await pilot.tell(scene.questionnaire_started(study_scene.QUICK))
         assert "This visit" in pilot.drawn()
         begun = [each for each in pilot.feed.asked if isinstance(each, AskQuestionnaire)]
-        await pilot.tell(study_scene.questionnaire_ended("quick", "left"))
+        await pilot.tell(scene.questionnaire_ended("quick", "left"))
         again = [each for each in pilot.feed.asked if isinstance(each, AskQuestionnaire)]
         assert again == begun, "the wizard has left it, and begins it again if need be"
         await pilot.tell(study_scene.trial(2))
@@ -282,7 +279,7 @@ async def test_a_request_that_was_lost_with_the_line_is_made_again() -> None:
 
 async def test_who_stops_the_robot_amid_a_questionnaire_reads_so_and_goes_on() -> None:
     async with seated() as pilot:
-        await pilot.tell(study_scene.questionnaire_started(study_scene.QUICK))
+        await pilot.tell(scene.questionnaire_started(study_scene.QUICK))
         await pilot.press("enter", "escape")
         assert pilot.feed.last(r.AskStop) is not None
         await pilot.tell(m.StopPressed(source="the participant", t=study_scene.NOW))

@@ -8,6 +8,7 @@ from textual.widgets import TextArea
 
 from tests.console import scenes, study_scene
 from tests.console.piloting import ConsolePilot, piloted_console
+from tests.features.questionnaires import scene
 from woz_tui.console.drawing.glyphs import ASCII
 from woz_tui.console.drawing.theme import Appearance
 from woz_tui.features.questionnaires.answers import items_of
@@ -25,7 +26,7 @@ SIZES = [(80, 24), (160, 50), (60, 20)]
 
 async def asking(pilot: ConsolePilot, questionnaire: dict[str, Json] = study_scene.ROBOT) -> None:
     """Open the dialog on a questionnaire that has begun."""
-    await pilot.tell(study_scene.questionnaire_started(questionnaire))
+    await pilot.tell(scene.questionnaire_started(questionnaire))
     await pilot.press("asterisk", "q")
     await pilot.until(lambda: isinstance(pilot.console.dialog, QuestionnaireDialog))
     await pilot.settle()
@@ -60,7 +61,7 @@ async def test_all_of_it_is_answered_by_keys(size: tuple[int, int]) -> None:
         assert ended.what == "done"
         assert [answer.value for answer in answers(pilot)] == [6.0, 10.0, 42.0, None]
         assert answers(pilot)[-1].text == "It was kind"
-        await pilot.tell(study_scene.questionnaire_ended())
+        await pilot.tell(scene.questionnaire_ended())
         await pilot.until(lambda: "Thank you!" in pilot.drawn())
         await pilot.press("enter", "h", "space")
         assert set(pilot.drawn().split()) == {"Thank", "you!", "Please", "wait."}
@@ -84,9 +85,7 @@ async def test_the_stop_goes_through_it_and_it_goes_on_where_it_was() -> None:
         await pilot.press("escape")
         assert pilot.feed.last(r.AskStop) is not None
         await pilot.until(lambda: pilot.console.dialog is None)
-        await pilot.tell(
-            study_scene.questionnaire_answered("pleasant", 6.0), m.StopPressed(source="key")
-        )
+        await pilot.tell(scene.questionnaire_answered("pleasant", 6.0), m.StopPressed(source="key"))
         await pilot.tell(m.StopConfirmed(confirmed=["head"], missing=[], elapsed_us=3_000))
         await pilot.press("ctrl+r", "asterisk", "q")
         await pilot.until(lambda: isinstance(pilot.console.dialog, QuestionnaireDialog))
@@ -161,7 +160,7 @@ async def test_behind_a_stop_on_the_thanks_nothing_is_offered() -> None:
     )
     async with piloted_console(study_scene.welcome(study=told)) as pilot:
         await asking(pilot)
-        await pilot.tell(study_scene.questionnaire_ended())
+        await pilot.tell(scene.questionnaire_ended())
         await pilot.press("escape")
         await pilot.settle()
         assert pilot.console.dialog is None
@@ -202,12 +201,12 @@ async def test_no_key_of_the_experiment_plays_meanwhile() -> None:
 
 
 async def test_back_from_a_text_and_back_to_it() -> None:
-    async with piloted_console(study_scene.welcome(study_scene.questionnaire_started())) as pilot:
+    async with piloted_console(study_scene.welcome(scene.questionnaire_started())) as pilot:
         await pilot.tell(
-            study_scene.questionnaire_answered("pleasant", 3.0),
-            study_scene.questionnaire_answered("again", skipped=True),
-            study_scene.questionnaire_answered("sure", 42.0),
-            study_scene.questionnaire_answered("else", text="as before"),
+            scene.questionnaire_answered("pleasant", 3.0),
+            scene.questionnaire_answered("again", skipped=True),
+            scene.questionnaire_answered("sure", 42.0),
+            scene.questionnaire_answered("else", text="as before"),
         )
         await pilot.press("asterisk", "q")
         await pilot.until(lambda: isinstance(pilot.console.dialog, QuestionnaireDialog))
@@ -234,7 +233,7 @@ async def test_a_refusal_is_shown_and_the_item_is_open_again() -> None:
 
 
 async def test_an_answer_that_was_lost_with_the_line_goes_out_again() -> None:
-    async with piloted_console(study_scene.welcome(study_scene.questionnaire_started())) as pilot:
+    async with piloted_console(study_scene.welcome(scene.questionnaire_started())) as pilot:
         await asking(pilot)
         await pilot.press("enter")
         pilot.feed.answers[AskAnswer] = lambda asked, ref: r.Reply(ref=0, ok=True)
@@ -245,7 +244,7 @@ async def test_an_answer_that_was_lost_with_the_line_goes_out_again() -> None:
         pilot.console.paint()
         await pilot.settle()
         del pilot.feed.answers[AskAnswer]
-        await pilot.tell(study_scene.welcome(study_scene.questionnaire_started()))
+        await pilot.tell(study_scene.welcome(scene.questionnaire_started()))
         await pilot.until(lambda: isinstance(pilot.console.dialog, QuestionnaireDialog))
         await pilot.settle()
         again = answers(pilot)
@@ -278,13 +277,13 @@ async def test_nothing_jumps_while_an_answer_is_chosen() -> None:
 
 async def test_the_header_tells_how_far_it_is() -> None:
     async with piloted_console(
-        study_scene.welcome(study_scene.questionnaire_started()), size=(120, 40)
+        study_scene.welcome(scene.questionnaire_started()), size=(120, 40)
     ) as pilot:
         assert "questions 0/4" in pilot.text("StatusLines")
-        await pilot.tell(study_scene.questionnaire_answered("pleasant", 3.0))
+        await pilot.tell(scene.questionnaire_answered("pleasant", 3.0))
         assert "questions 1/4" in pilot.text("StatusLines")
         assert "pleasant" not in pilot.text("EventList")
-        await pilot.tell(study_scene.questionnaire_ended(reason="declined", count=1))
+        await pilot.tell(scene.questionnaire_ended(reason="declined", count=1))
         assert "questions" not in pilot.text("StatusLines")
         assert "declined" in pilot.text("EventList")
 

@@ -8,6 +8,7 @@ import pytest
 from tests.console import scenes, study_scene
 from tests.console.piloting import piloted_console
 from tests.console.scripted_feed import raw
+from tests.features.questionnaires import scene
 from woz_tui.console.screens.leave import LeaveDialog
 from woz_tui.console.screens.start import StartDialog
 from woz_tui.console.state.study import StudyView
@@ -147,11 +148,11 @@ async def test_one_questionnaire_after_the_other_is_offered() -> None:
     both: m.Json = [study_scene.QUICK, {**study_scene.ROBOT, "when": "trial"}]
     told = study_scene.study_description(questionnaires=both)
     async with piloted_console(study_scene.welcome(study_scene.trial(), study=told)) as pilot:
-        await pilot.tell(trial_ended(), study_scene.questionnaire_started(study_scene.QUICK))
+        await pilot.tell(trial_ended(), scene.questionnaire_started(study_scene.QUICK))
         await pilot.press("asterisk", "q")
         await pilot.until(lambda: isinstance(pilot.console.dialog, QuestionnaireDialog))
         await pilot.until(lambda: "This visit" in pilot.drawn())
-        await pilot.tell(study_scene.questionnaire_ended("quick"))
+        await pilot.tell(scene.questionnaire_ended("quick"))
         await pilot.until(lambda: "Thank you!" in pilot.drawn())
         await pilot.press("ctrl+q")
         await pilot.until(lambda: isinstance(pilot.console.dialog, OfferDialog))
@@ -211,7 +212,7 @@ async def test_between_trials_the_order_points_at_the_condition_of_the_next() ->
         await pilot.settle()
         assert "▸ 1. warm" in pilot.drawn()
         await pilot.press("ctrl+q")
-        await pilot.tell(trial_ended(2), study_scene.questionnaire_ended("quick"))
+        await pilot.tell(trial_ended(2), scene.questionnaire_ended("quick"))
         await pilot.press("asterisk")
         await pilot.settle()
         assert "▸ 2. cold" in pilot.drawn()
@@ -231,7 +232,7 @@ async def test_what_is_answered_and_not_confirmed_is_called_so() -> None:
         questionnaire="quick", item="pleasant", question="?", value=5.0, t=NOW
     )
     async with piloted_console(
-        study_scene.welcome(study_scene.questionnaire_started(study_scene.QUICK), answer)
+        study_scene.welcome(scene.questionnaire_started(study_scene.QUICK), answer)
     ) as pilot:
         await pilot.press("asterisk")
         await pilot.settle()
@@ -241,7 +242,7 @@ async def test_what_is_answered_and_not_confirmed_is_called_so() -> None:
 async def test_no_trial_can_be_begun_while_something_is_asked() -> None:
     """The robot process would refuse it."""
     async with piloted_console(study_scene.welcome()) as pilot:
-        await pilot.tell(study_scene.questionnaire_started())
+        await pilot.tell(scene.questionnaire_started())
         await pilot.press("asterisk")
         await pilot.settle()
         assert "leave it unfinished" in pilot.drawn()
@@ -251,9 +252,9 @@ async def test_no_trial_can_be_begun_while_something_is_asked() -> None:
 async def test_the_row_of_the_script_says_what_the_trial_key_does_now() -> None:
     first = msgspec.structs.replace(study_scene.welcome(study_scene.trial(4)), script=[])
     async with piloted_console(first) as pilot:
-        await pilot.tell(trial_ended(4), study_scene.questionnaire_started(study_scene.QUICK))
+        await pilot.tell(trial_ended(4), scene.questionnaire_started(study_scene.QUICK))
         assert "*  goes on with: This visit" in pilot.text("StopBar")
-        await pilot.tell(study_scene.questionnaire_ended("quick"))
+        await pilot.tell(scene.questionnaire_ended("quick"))
         assert "all trials are over" in pilot.text("StopBar")
 
 
@@ -273,7 +274,7 @@ async def test_at_the_participants_terminal_the_wizard_goes_on_playing() -> None
         await pilot.settle()
         await pilot.press("down", "enter")
         assert pilot.feed.last(AskQuestionnaire) is not None
-        await pilot.tell(study_scene.questionnaire_started())
+        await pilot.tell(scene.questionnaire_started())
         assert pilot.console.dialog is None
 
 
@@ -420,10 +421,10 @@ async def test_free_play_has_no_participant_to_ask_for() -> None:
 async def test_behind_a_questionnaire_that_leaving_brought_the_wizard_is_asked_again() -> None:
     async with piloted_console(study_scene.welcome()) as pilot:
         await pilot.press("ctrl+q", "down", "down")
-        await pilot.tell(study_scene.questionnaire_started())
+        await pilot.tell(scene.questionnaire_started())
         await pilot.press("enter")
         await pilot.until(lambda: isinstance(pilot.console.dialog, QuestionnaireDialog))
-        await pilot.tell(study_scene.questionnaire_ended())
+        await pilot.tell(scene.questionnaire_ended())
         await pilot.press("ctrl+q")
         await pilot.until(lambda: isinstance(pilot.console.dialog, LeaveDialog))
         assert pilot.feed.last(r.AskEnd) is None
@@ -438,7 +439,7 @@ async def test_the_session_is_ended_by_who_may(role: str, may: bool) -> None:
 
 async def test_leaving_tells_what_the_end_would_cut_off() -> None:
     async with piloted_console(study_scene.welcome(study_scene.trial(3))) as pilot:
-        await pilot.tell(study_scene.questionnaire_started(study_scene.QUICK))
+        await pilot.tell(scene.questionnaire_started(study_scene.QUICK))
         await pilot.press("ctrl+q")
         await pilot.settle()
         drawn = pilot.drawn()
@@ -487,8 +488,8 @@ async def test_leaving_behind_the_last_trial_and_its_questionnaires_warns_of_not
     async with piloted_console(study_scene.welcome(study_scene.trial(4))) as pilot:
         await pilot.tell(
             trial_ended(4),
-            study_scene.questionnaire_ended("quick"),
-            study_scene.questionnaire_ended(),
+            scene.questionnaire_ended("quick"),
+            scene.questionnaire_ended(),
         )
         await pilot.press("ctrl+q")
         await pilot.settle()
@@ -497,7 +498,7 @@ async def test_leaving_behind_the_last_trial_and_its_questionnaires_warns_of_not
 
 async def test_what_was_declined_is_not_offered_again() -> None:
     async with piloted_console(
-        study_scene.welcome(study_scene.questionnaire_ended(reason="declined"))
+        study_scene.welcome(scene.questionnaire_ended(reason="declined"))
     ) as pilot:
         await pilot.press("ctrl+q", "down", "down", "enter")
         assert pilot.feed.last(r.AskEnd) is not None
@@ -552,11 +553,11 @@ def test_what_was_left_stays_due_and_what_was_answered_does_not() -> None:
     study_view = study(study_scene.trial(1), trial_ended(1))
     tell(
         study_view,
-        study_scene.questionnaire_started(study_scene.QUICK),
-        study_scene.questionnaire_ended("quick", "left"),
+        scene.questionnaire_started(study_scene.QUICK),
+        scene.questionnaire_ended("quick", "left"),
     )
     assert asked(study_view).due == ["quick"]
-    tell(study_view, study_scene.questionnaire_ended("quick"))
+    tell(study_view, scene.questionnaire_ended("quick"))
     assert asked(study_view).due == []
 
 
@@ -583,8 +584,8 @@ def test_another_participant_begins_anew() -> None:
     study_view = study(
         study_scene.trial(1),
         trial_ended(1),
-        study_scene.questionnaire_ended("quick"),
-        study_scene.questionnaire_ended(),
+        scene.questionnaire_ended("quick"),
+        scene.questionnaire_ended(),
     )
     assert asked(study_view).unanswered() == []
     tell(study_view, m.SessionChanged(participant="P08", t=NOW))
@@ -612,11 +613,11 @@ def test_where_a_session_stands_in_words() -> None:
 
 async def test_an_open_dialog_follows_what_the_participant_does() -> None:
     """At their own terminal they finish while it is open: nothing can be gone on with then."""
-    begun = study_scene.questionnaire_started(study_scene.QUICK)
+    begun = scene.questionnaire_started(study_scene.QUICK)
     async with piloted_console(study_scene.welcome(study_scene.trial(), begun)) as pilot:
         await pilot.press("asterisk")
         assert "go on with: This visit" in pilot.drawn()
-        await pilot.tell(study_scene.questionnaire_ended("quick"))
+        await pilot.tell(scene.questionnaire_ended("quick"))
         drawn = pilot.drawn()
         assert "go on with" not in drawn
         assert "done: this trial is over" in drawn

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import logging
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -195,6 +195,26 @@ class Feature:
         if not isinstance(piece, kind):
             raise TypeError(f"{place} is no {kind.__name__} but {piece!r}")
         return piece
+
+    def missing(self) -> Iterator[str]:
+        """What of it is not where the descriptor says, each with the error."""
+        for what in PIECES:
+            try:
+                self.piece(what, object)
+            except Exception as error:  # noqa: BLE001 - of others: each is told
+                yield f"{what}: {type(error).__name__}: {error}"
+        for what in ("keys", "translations"):
+            path = self.file(getattr(self, what))
+            if path is not None and not path.exists():
+                yield f"{what}: there is no {path}"
+
+
+#: Attributes of `Feature` that say where a piece lies.
+PIECES = tuple(
+    name
+    for name, default in vars(Feature).items()
+    if default == "" and name not in ("keys", "translations", "words")
+)
 
 
 def features() -> Mapping[str, Feature]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from woz_tui.feature import Feature, answer_of, answers_of, features, left_out, pieces
+from woz_tui.feature import PIECES, answer_of, answers_of, features, left_out, pieces
 from woz_tui.gate.questions import ClientRequest, PlayEffect
 from woz_tui.gate.table import TABLE, FeatureGate, FeatureRow, Row, all_rows, stop_pressed
 from woz_tui.protocol.kinds import FeatureKinds, message_kinds, request_kinds
@@ -285,6 +286,21 @@ def test_a_row_that_nobody_would_ask_is_none() -> None:
             FeatureGate(rows=(FeatureRow(Row("weather", (kind,), stop_pressed)),))
 
 
+def test_doctor_names_what_is_missing(environment: dict[str, str]) -> None:
+    told = python(environment, "-m", "woz_tui", "doctor", "--json").stdout
+    found = {
+        each["subject"]: (each["level"], each["text"])
+        for each in json.loads(told)["findings"]
+        if each["subject"].startswith("feature ")
+    }
+    assert found["feature failing"] == ("ok", "of the package strangers")
+    level, text = found["feature absent"]
+    assert (level, "session: ModuleNotFoundError" in text) == ("error", True)
+    level, text = found["feature strangers:NoFeature"]
+    assert (level, "no Feature" in text) == ("error", True)
+    assert found["feature ungated"][1].startswith("gate: ModuleNotFoundError")
+
+
 FILE = """
 import sys
 from pathlib import Path
@@ -459,9 +475,7 @@ def test_no_session_begins_where_what_the_file_forbids_cannot_be_forbidden(tmp_p
 
 
 def test_none_of_ours_is_left_out_and_each_piece_is_what_its_room_uses() -> None:
-    texts = {"keys", "translations", "words"}
-    rooms = {name for name, value in vars(Feature).items() if value == ""} - texts
-    for name in rooms:
+    for name in PIECES:
         pieces(name, object)
     assert left_out() == {}
     assert all(each.name for each in features().values())

@@ -25,7 +25,7 @@ from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Driver, Finding, OtherDriver, Probe
 from woz_tui.feature import pieces
 from woz_tui.machine import machine_checks, terminal_check
-from woz_tui.machine.feature_checks import FeatureChecks
+from woz_tui.machine.feature_checks import FeatureChecks, of_others
 from woz_tui.machine.machine_checks import bounded
 from woz_tui.system import session_sockets
 
@@ -165,6 +165,7 @@ def _machine(recordings: Path) -> list[Finding]:
         *bounded("processor", machine_checks.governor),
         *bounded("power", machine_checks.throttling),
         *bounded("socket", _sockets),
+        *bounded("features", of_others),
         *(
             finding
             for name, checks in pieces("doctor", FeatureChecks).items()

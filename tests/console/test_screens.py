@@ -18,7 +18,7 @@ from tests.console.dialogs import (
     open_dialog,
     stops,
 )
-from tests.console.piloting import piloted_console
+from tests.console.piloting import ConsolePilot, piloted_console
 from woz_tui.config.keys.terminals import KITTY
 from woz_tui.console.drawing.glyphs import ASCII
 from woz_tui.console.drawing.theme import Appearance
@@ -188,24 +188,29 @@ async def test_what_changes_while_a_dialog_is_made_is_not_missed() -> None:
         assert "head  lost" in pilot.drawn()
 
 
+def lines_of_help(pilot: ConsolePilot) -> str:
+    """All lines of the list of keys, however high the screen is."""
+    dialog = pilot.console.dialog
+    assert isinstance(dialog, HelpDialog)
+    return "\n".join("".join(text for text, _ in row) for row in dialog.lines())
+
+
 async def test_help_lists_every_key_with_reserves_and_reasons() -> None:
     async with piloted_console(size=(160, 130)) as pilot:
         await open_dialog(pilot, "HelpDialog")
-        drawn = pilot.drawn()
+        listed = lines_of_help(pilot)
         for part in ("stop everything", "type something to say", "Restoration room", "c r"):
-            assert part in drawn
-        assert pilot.console.caps["Call staff"].why[:20] in drawn
-        assert "instead of ^1" in drawn
-        assert "^ Ctrl, A- Alt, S- Shift" in drawn
+            assert part in listed
+        assert pilot.console.caps["Call staff"].why[:20] in listed
+        assert "instead of ^1" in listed
+        assert "^ Ctrl, A- Alt, S- Shift" in pilot.drawn()
 
 
 async def test_the_keys_list_only_arrows_that_move_something() -> None:
     welcome = msgspec.structs.replace(scenes.welcome(), verbs={"head": ["nudge"]})
     async with piloted_console(welcome) as pilot:
         await open_dialog(pilot, "HelpDialog")
-        dialog = pilot.console.dialog
-        assert isinstance(dialog, HelpDialog)
-        listed = "\n".join("".join(text for text, _ in row) for row in dialog.lines())
+        listed = lines_of_help(pilot)
     assert "head to the left" in listed
     assert "drive forward" not in listed
     assert "lean left" not in listed

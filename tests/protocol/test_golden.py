@@ -67,8 +67,8 @@ def test_every_kind_has_a_golden_line(name: str) -> None:
     present = {codec.decode_unknown(line)["kind"] for line in golden_lines(name)}
     wanted = {kind.__struct_config__.tag for kind in kinds}
     assert present == wanted, (
-        "an example in tests/protocol/examples.py, a feature's beside its tests,"
-        " then `make generated`"
+        "a kind needs an example: in tests/protocol/examples.py, a feature's among MESSAGES or"
+        " REQUESTS of tests/features/NAME/examples.py; then `make generated`"
     )
 
 
@@ -85,8 +85,8 @@ def test_every_field_appears_in_a_golden_line() -> None:
             optional |= _CONSOLE if names_console and tag != "marker" else set()
             missing = set(kind.__struct_encode_fields__) - seen - optional
             assert not missing, (
-                f"{name}: no line of kind {tag} shows {missing}: fill them in its example in"
-                " tests/protocol/examples.py, then `make generated`"
+                f"{name}: no line of kind {tag} shows {missing}: fill them in its example (in"
+                " tests/protocol, a feature's beside its tests), then `make generated`"
             )
 
 

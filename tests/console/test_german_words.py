@@ -247,9 +247,7 @@ async def test_all_repairs_stand_in_one_row_of_eighty_columns() -> None:
 
 
 def test_what_the_shell_says_behind_a_session_is_german() -> None:
-    told = farewell(
-        ClosedConsole("detached", 0, abandon_after=600.0), "attach", Path("P01.jsonl")
-    )
+    told = farewell(ClosedConsole("detached", 0, abandon_after=600.0), "attach", Path("P01.jsonl"))
     assert told == [
         "Die Sitzung geht weiter; `woz attach` führt zu ihr zurück.",
         "Ohne Konsole endet sie nach 10 min von selbst"

@@ -194,10 +194,10 @@ def test_a_file_that_wants_no_likely_actions_any_more_is_offered_none(
 
 
 @pytest.mark.parametrize(
-    "before", [None, Proposals(SuggestKeysOfFile(logs=True))], ids=["without", "with logs"]
+    "before", [SuggestKeysOfFile(within=9.0), SuggestKeysOfFile(logs=True)], ids=["other", "logs"]
 )
 def test_what_was_played_before_the_file_was_read_again_counts(
-    tmp_path: Path, before: Proposals | None
+    tmp_path: Path, before: SuggestKeysOfFile
 ) -> None:
     """Whether the file wanted likely actions then or not, and while earlier sessions are read."""
     for _ in range(3):
@@ -214,7 +214,7 @@ def test_what_was_played_before_the_file_was_read_again_counts(
             await asyncio.sleep(0)
 
     made = experiment(tmp_path)
-    made = replace(made, sections={**made.sections, PROPOSALS: before})
+    made = replace(made, sections={**made.sections, PROPOSALS: Proposals(before)})
     rig = SessionRig(tmp_path, made=made, stem="2026-03-01T10-00-00_P07_S09").run(scenario, 3)
     assert lists(rig)[-1][0] == "Go"
 

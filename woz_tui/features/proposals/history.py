@@ -20,14 +20,10 @@ from woz_tui.features.proposals.kinds import (
     SuggestTaken,
     SuggestTrial,
 )
-from woz_tui.features.proposals.rights import HANDS
 from woz_tui.protocol import messages as m
 from woz_tui.timeline.episodes import Episode
 from woz_tui.timeline.feature_history import FeatureHistory, HistoryCase
 from woz_tui.timeline.session_state import SessionState, moment
-
-#: Acts and words of the visitor that are kept, of a trial that has more.
-MOST_TURNS = 400
 
 
 class SuggestionEpisode(Episode, frozen=True, kw_only=True):
@@ -53,10 +49,7 @@ class SuggestionEpisode(Episode, frozen=True, kw_only=True):
 
 
 class ProposalHistory(FeatureHistory):
-    """The sets that are offered, by their ids, and what holds of proposals. `turns`: what people
-    played in this trial and what the visitor said in it, also while the file wanted no proposals;
-    whoever joins later does not get them.
-    """
+    """The sets that are offered, by their ids, and what holds of proposals."""
 
     deeds = (SuggestOffered, SuggestTaken)
 
@@ -66,7 +59,6 @@ class ProposalHistory(FeatureHistory):
         self.model_state: SuggestState | None = None
         self.trial: SuggestTrial | None = None
         self.sets: dict[str, SuggestionEpisode] = {}
-        self.turns: tuple[m.ActionRequested | m.SpeechText, ...] = ()
 
     def _set(self, message: SuggestSettings, state: SessionState) -> Iterable[Episode]:
         self.settings = message
@@ -118,29 +110,7 @@ class ProposalHistory(FeatureHistory):
     ) -> Iterable[Episode]:
         return moment(message, state.t)
 
-    def _begin_anew(self, message: m.TrialStarted, state: SessionState) -> None:
-        self.turns = ()
-
-    def _turn(self, message: m.ActionRequested | m.SpeechText, state: SessionState) -> None:
-        if isinstance(message, m.SpeechText):
-            counts = bool(message.text) and not message.own
-        else:
-            counts = message.source in HANDS
-        if counts:
-            self.turns = (*self.turns[1 - MOST_TURNS :], message)
-
-    def _undo(self, message: m.ActionRefused | m.Mistake, state: SessionState) -> None:
-        """What was refused, or was a mistake, was no act: the visitor still waits."""
-        self.turns = tuple(
-            turn for turn in self.turns if isinstance(turn, m.SpeechText) or turn.run != message.run
-        )
-
     cases: ClassVar[Mapping[type[m.Message], HistoryCase]] = {
-        m.TrialStarted: _begin_anew,
-        m.ActionRequested: _turn,
-        m.SpeechText: _turn,
-        m.ActionRefused: _undo,
-        m.Mistake: _undo,
         SuggestSettings: _set,
         SuggestModel: _choose,
         SuggestState: _stand,

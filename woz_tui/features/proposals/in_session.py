@@ -661,14 +661,14 @@ class ProposalsInSession(SessionFeature):
     def _refused(self, message: m.ActionRefused) -> None:
         """What was refused was no act, also where that comes late."""
         if self._pressed.pop(message.run, None) is None:
-            self._likely.forget()
+            self._likely.forget(message.run)
 
     def _played(self, run: str) -> None:
         """It was accepted: perhaps what was proposed, by its own key."""
         if run not in self._pressed:
             return
         message, taken = self._pressed.pop(run)
-        self._likely.act()
+        self._likely.act(message)
         if taken:
             return
         for name, each in [*self._open.items()]:
@@ -700,10 +700,10 @@ class ProposalsInSession(SessionFeature):
         """What was proposed answers what was said before."""
         if message.text and not message.own:
             self._end_offers("superseded")
-            self._likely.hear()
+            self._likely.hear(message)
 
     def _mistaken(self, message: m.Mistake) -> None:
-        self._likely.forget()
+        self._likely.forget(message.run)
 
     def _trained(self, message: CueGiven) -> None:
         """A cue of a training."""
@@ -735,7 +735,7 @@ class ProposalsInSession(SessionFeature):
             self._quiet = False
             if message.end is None:
                 self._draw(message.started)
-                self._likely.act()
+                self._likely.begin_anew()
 
     def _draw(self, trial: m.TrialStarted) -> None:
         """Whether something is offered in the trial that begins."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 
 from woz_tui.config.experiment import Action
-from woz_tui.features.proposals.history import ProposalHistory
 from woz_tui.features.proposals.ranker import Moment, Ranked, Ranker, words_of
 from woz_tui.features.proposals.section import SuggestKeysOfFile
 from woz_tui.features.scripts.history import ScriptHistory
@@ -20,6 +20,8 @@ log = logging.getLogger(__name__)
 
 #: Actions that are offered, if each is at least so likely.
 SHOWN, LEAST = 3, 0.05
+#: Acts and words of the visitor that are kept, of a trial that has more.
+MOST_TURNS = 400
 
 
 class LikelyActs:
@@ -36,6 +38,9 @@ class LikelyActs:
         self._session, self._offer = session, offer
         self._ranker: Ranker | None = None
         self._settings = SuggestKeysOfFile()
+        #: What people played in this trial and what the visitor said in it, also while nothing
+        #: likely was offered.
+        self._turns: deque[m.ActionRequested | m.SpeechText] = deque(maxlen=MOST_TURNS)
         #: The acts behind which something was offered last.
         self._seen: Sequence[str] = ()
         self._timer: asyncio.TimerHandle | None = None
@@ -81,19 +86,29 @@ class LikelyActs:
 
     # -- what happens ----------------------------------------------------------------------------
 
-    def act(self) -> None:
-        """A wizard played something, or a trial begins."""
+    def act(self, message: m.ActionRequested) -> None:
+        """A wizard played something."""
+        self._turns.append(message)
         self._wait(0)
 
-    def forget(self) -> None:
-        """Something was refused, or was a mistake."""
+    def forget(self, run: str) -> None:
+        """It was refused, or a mistake, and no act: the visitor still waits."""
+        for turn in tuple(self._turns):
+            if isinstance(turn, m.ActionRequested) and turn.run == run:
+                self._turns.remove(turn)
         if self._acts() != self._seen:
             self._wait(0)
 
-    def hear(self) -> None:
+    def hear(self, message: m.SpeechText) -> None:
         """The visitor said something."""
+        self._turns.append(message)
         if self._heard():
             self._wait(self._settings.after)
+
+    def begin_anew(self) -> None:
+        """A trial begins."""
+        self._turns.clear()
+        self._wait(0)
 
     def _wait(self, seconds: float | None) -> None:
         if self._timer is not None:
@@ -124,19 +139,17 @@ class LikelyActs:
 
     def _acts(self) -> list[str]:
         """What people played in this trial."""
-        turns = self._session.state.history(ProposalHistory).turns
-        return [turn.action for turn in turns if isinstance(turn, m.ActionRequested)]
+        return [turn.action for turn in self._turns if isinstance(turn, m.ActionRequested)]
 
     def _heard(self) -> Sequence[m.SpeechText]:
         """The visitor's words since the last act. Where the wizard must not read them, they count
         for nothing.
         """
-        state = self._session.state
-        perception = state.study.settings.perception
+        perception = self._session.state.study.settings.perception
         if "transcript" in (*perception.hide, *perception.blur):
             return ()
         heard: list[m.SpeechText] = []
-        for turn in reversed(state.history(ProposalHistory).turns):
+        for turn in reversed(self._turns):
             if not isinstance(turn, m.SpeechText):
                 break
             heard.insert(0, turn)

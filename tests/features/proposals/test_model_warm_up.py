@@ -118,6 +118,20 @@ async def test_one_that_failed_is_asked_again_before_the_visitor_waits_for_it(
         await host.until(lambda: host.of(SuggestOffered))
 
 
+async def test_an_answer_that_is_dropped_is_named_and_the_next_one_counts(tmp_path: Path) -> None:
+    async with asking(tmp_path) as (host, server):
+        server.fault = "empty"
+        say(host, "What is this?")
+        await host.until(lambda: pairs(host)[-1] == ("dropped", ""))
+        (finding,) = host.session.features.findings()
+        assert finding.text == "it writes no sentence that could be offered"
+        server.fault = ""
+        say(host, "And now?", 2)
+        await host.until(lambda: states(host)[-1] == "ready")
+        assert len(host.of(SuggestOffered)) == 1
+        assert host.of(m.Notice) == []
+
+
 async def test_one_that_is_started_anew_is_waited_for(tmp_path: Path) -> None:
     async with asking(tmp_path) as (host, server):
         server.fault = "503"
@@ -158,6 +172,7 @@ async def test_a_program_that_leaves_is_named(tmp_path: Path) -> None:
         (None, "no sentences: `woz suggest` does not run"),
         (SuggestState(how="loading"), "no sentences yet: the model is loading"),
         (SuggestState(how="failing", why="slow"), "no sentences of the model: it takes too long"),
+        (SuggestState(how="dropped", why="slow"), "last answer dropped: it takes too long"),
         (SuggestState(how="ready", first_us=1_600_000), "nothing is proposed"),
     ],
 )

@@ -157,14 +157,16 @@ def _why_nothing(state: ConsoleState) -> str:
         return say("proposals.quiet", "nothing is proposed in this trial")
     if history.model is not None:
         told = history.model_state
+        why = word(WHY.get(told.why, clean(told.why))) if told is not None else ""
         match told.how if told is not None else "gone":
             case "gone":
                 return say("proposals.no_suggest", "no sentences: `woz suggest` does not run")
             case "loading":
                 return say("proposals.model_loading", "no sentences yet: the model is loading")
             case "failing":
-                why = word(WHY.get(told.why, clean(told.why))) if told is not None else ""
                 return say("proposals.model_failing", "no sentences of the model: {why}", why=why)
+            case "dropped":
+                return say("proposals.model_dropped", "last answer dropped: {why}", why=why)
     return say("proposals.nothing", "nothing is proposed")
 
 

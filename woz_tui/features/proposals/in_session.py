@@ -404,7 +404,7 @@ class ProposalsInSession(SessionFeature):
             case "loading":
                 text = Sentence("proposals.is_loading", "the model is loading")
                 return [Finding("info", "suggest", text)]
-            case "failing":
+            case "failing" | "dropped":
                 assert told is not None
                 return [Finding("warning", "suggest", WHY.get(told.why, told.why), LOOK)]
         assert told is not None

@@ -76,7 +76,8 @@ class SuggestState(Message, frozen=True, kw_only=True, tag="suggest.state"):
     """How it stands with the model from here on: loading (nobody gets sentences yet), ready (its
     last warm-up took `first_us` until the first piece), failing (`why`: slow, unreachable, refuses,
     cut, odd, or empty where it answers with nothing that can be offered; it is asked again after a
-    while), gone (`woz suggest` has left). `model`: the name with which the server answered.
+    while), dropped (nothing of its last answer could be offered, `why` as of failing; it is asked
+    on), gone (`woz suggest` has left). `model`: the name with which the server answered.
     """
 
     how: str
@@ -232,7 +233,7 @@ class AskModelTold(Request, frozen=True, kw_only=True, tag="model-told"):
 
 
 #: What a program may tell of its model.
-ModelStateWord = Literal["loading", "ready", "failing"]
+ModelStateWord = Literal["loading", "ready", "dropped", "failing"]
 
 
 class AskModelState(Request, frozen=True, kw_only=True, tag="model-state"):

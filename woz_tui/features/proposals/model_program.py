@@ -220,6 +220,10 @@ class ModelProgram:
             await self._client.request(told)
             if texts:
                 await self._client.request(AskPropose(texts=texts, source="model", cue=cue))
+                if self._state[0] == "dropped":
+                    await self._tell("ready", model=answer.model, first_us=answer.first_us)
+            elif self._ready:
+                await self._tell("dropped", why)
         except WozRefusedError as refused:
             self._say(f"woz suggest: {refused}")
 

@@ -29,7 +29,7 @@ EXPORT = FeatureExport(
         "suggest.settings": ("sources", "programs"),
         "suggest.offered": ("set", "source", "who", "cue"),
         "suggest.asked": ("cue", "model", "fingerprint", "prompt_sha256"),
-        "suggest.state": ("how", "why", "model"),
+        "suggest.state": ("how", "model"),
         "suggest.ranked": ("set", "reasons"),
         "suggest.taken": ("set", "item", "how", "run", "console"),
         "suggest.gone": ("set", "how"),

@@ -171,6 +171,8 @@ async def test_the_field_closes_with_its_console_by_the_stop_and_by_silence(
         assert (await first.ask("dictation", on=True))["ok"], "it is still open"
         assert not (await second.ask("dictation", on=True))["ok"], "who watches says nothing"
         await first.ask("stop")
+        still = await first.ask("dictation", on=True, again=True)
+        assert not still["ok"], "what was under way opens nothing behind the stop"
         assert (await first.ask("dictation", on=True))["ok"]
         monkeypatch.setattr(in_session, "SILENT_S", 0.01)
         await first.ask("dictation", on=True)
@@ -320,6 +322,19 @@ async def test_as_long_as_the_field_is_open_and_painted_it_says_so() -> None:
         assert said() == [True, True, True, False]
         await pilot.pass_time(5)
         assert len(said()) == 4
+
+
+async def test_a_field_that_was_silent_for_too_long_opens_anew() -> None:
+    async with piloted_console() as pilot:
+        await pilot.press("f10")
+        pilot.feed.answers[AskDictation] = lambda request, ref: Reply(ref=ref, ok=False)
+        await pilot.pass_time(0.6)
+        del pilot.feed.answers[AskDictation]
+        await pilot.pass_time(0.6)
+        said = [each for each in pilot.feed.asked if isinstance(each, AskDictation)]
+        assert [each.again for each in said[:2]] == [False, True]
+        assert not said[2].again
+        assert said[-1].on
 
 
 async def test_a_refusal_stands_in_the_field() -> None:

@@ -30,7 +30,9 @@ class DictationDialog(SayDialog):
 
     def __init__(self) -> None:
         super().__init__()
+        #: When it said last that it is open, and whether that was taken.
         self._said_us: int | None = None
+        self._opened = False
         self._refused = ""
         self._shown: Row = ()
 
@@ -65,14 +67,18 @@ class DictationDialog(SayDialog):
         due = self._said_us is None or now - self._said_us >= _SAID_US
         if due and self.console_app.feed.line_ok:
             self._said_us = now
-            self.requests.ask(AskDictation(on=True), self._answered)
+            self.requests.ask(AskDictation(on=True, again=self._opened), self._answered)
         self._take()
         if (row := self._listens()) != self._shown:
             self._shown = row
             self.update("listens", content([row]))
 
     def _answered(self, reply: Reply) -> None:
-        self._refused = "" if reply.ok else refusal_text(reply)
+        if self._opened and not reply.ok:  # it was silent for too long, and opens anew
+            self._said_us = None
+        else:
+            self._refused = "" if reply.ok else refusal_text(reply)
+        self._opened = reply.ok
 
     def _listens(self) -> Row:
         """Whether what is said now comes here, and else what would help."""

@@ -38,6 +38,8 @@ SILENT_S = 2.5
 #: What was said at last in the field may end so much later than the field, in microseconds.
 _LATE_US = 1_000_000
 
+NOT_OPEN = Sentence("dictation.not_open", "the field for dictation is not open")
+
 
 class DictationInSession(SessionFeature):
     """Texts for the field of `say`, as long as it is open. They are no speech of a visitor."""
@@ -63,12 +65,12 @@ class DictationInSession(SessionFeature):
         if isinstance(request, AskDictated):
             self._dictate(request, client)
         elif request.on:
-            self._open(client)
+            self._open(client, request.again)
         else:
             self.lose(client.console, "closed")
         return ""
 
-    def _open(self, client: Client) -> None:
+    def _open(self, client: Client, again: bool) -> None:
         """Its field is open, or is still open."""
         if client.role != "wizard":
             raise RequestError(
@@ -78,6 +80,8 @@ class DictationInSession(SessionFeature):
             raise RequestError(
                 Sentence("dictation.taken", "somebody dictates at another console already")
             )
+        if again and not self._console:
+            raise RequestError(NOT_OPEN)
         if self._silence is not None:
             self._silence.cancel()
         loop = asyncio.get_running_loop()
@@ -112,7 +116,7 @@ class DictationInSession(SessionFeature):
         heard = ended <= self._shut + _LATE_US and self._shut > self._opened
         if ended < self._opened or not (self._console or heard):
             raise RequestError(
-                Sentence("dictation.not_open", "the field for dictation is not open"),
+                NOT_OPEN,
                 Sentence("dictation.opens_it", "a key of the console opens it: dictate"),
             )
         self._count += 1

@@ -42,11 +42,13 @@ class DictationListens(Message, frozen=True, kw_only=True, tag="dictation.listen
 
 
 class AskDictation(Request, frozen=True, kw_only=True, tag="dictation"):
-    """Of a wizard's console: the field for dictation is open (`on`), or is closed. It is said again
-    at least every two seconds: whoever falls silent has closed it.
+    """Of a wizard's console: the field for dictation is open (`on`), or is closed. That it is still
+    open (`again`) is said at least every two seconds: whoever falls silent has closed it. What the
+    stop has closed meanwhile is not opened by that.
     """
 
     on: bool
+    again: bool = False
 
 
 class AskDictated(Request, frozen=True, kw_only=True, tag="dictate"):

@@ -9,7 +9,7 @@ from woz_tui.protocol.welcome import STALE_S
 
 class StillFeed:
     def __init__(self) -> None:
-        self.line_ok = True
+        self.line_ok = self.attached = True
         self.stale_after_s = STALE_S
         self.round_trip_us: int | None = None
         self.asked: list[Request] = []

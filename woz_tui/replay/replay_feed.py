@@ -38,7 +38,7 @@ class ReplayFeed:
     _on_messages: Callable[[list[Incoming]], None]
 
     def __init__(self, player: ReplayPlayer, clock: Clock | None = None) -> None:
-        self.line_ok = True
+        self.line_ok = self.attached = True
         self.stale_after_s = STALE_S
         self.round_trip_us: int | None = None
         self._player = player

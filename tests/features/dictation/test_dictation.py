@@ -315,7 +315,10 @@ async def test_as_long_as_the_field_is_open_and_painted_it_says_so() -> None:
         pilot.feed.line_ok = False
         await pilot.pass_time(5)
         assert said() == [True, True], "nobody sees the field"
-        pilot.feed.line_ok = True
+        pilot.feed.line_ok, pilot.feed.attached = True, False
+        await pilot.pass_time(5)
+        assert said() == [True, True], "nobody sits there"
+        pilot.feed.attached = True
         await pilot.pass_time(0.1)
         await pilot.press("escape")
         assert pilot.console.dialog is None

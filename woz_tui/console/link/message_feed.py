@@ -102,6 +102,10 @@ class MessageFeed(Protocol):
     #: measures the terminal, sent to the host with every beat.
     line_ok: bool
 
+    #: Whether anybody is attached to what stands between console and terminal, as far as that is
+    #: known.
+    attached: bool
+
     #: Seconds after which a press is not played any more, as the last `Welcome` said.
     stale_after_s: float
 

@@ -18,7 +18,7 @@ class StopLine:
     """
 
     def __init__(self) -> None:
-        self.line_ok = True
+        self.line_ok = self.attached = True
         self.stale_after_s = STALE_S
         self.round_trip_us: int | None = None
         self.path: Path | None = None

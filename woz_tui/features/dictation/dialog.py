@@ -65,7 +65,8 @@ class DictationDialog(SayDialog):
             return
         now = self.console_app.clock.now_us()
         due = self._said_us is None or now - self._said_us >= _SAID_US
-        if due and self.console_app.feed.line_ok:
+        feed = self.console_app.feed
+        if due and feed.line_ok and feed.attached:
             self._said_us = now
             self.requests.ask(AskDictation(on=True, again=self._opened), self._answered)
         self._take()

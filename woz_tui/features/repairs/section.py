@@ -29,7 +29,7 @@ PANEL = "Repairs"
 SAY = "say"
 REPEAT, REWORD, INTERRUPT = "repair repeat", "repair reword", "repair interrupt"
 #: What stands on the screen.
-LABELS: Mapping[str, str] = {
+LABELS: Mapping[str, Sentence] = {
     REPEAT: Sentence("repairs.repeat", "repeat"),
     REWORD: Sentence("repairs.reword", "reword"),
     "repair filler": Sentence("repairs.filler", "filler"),

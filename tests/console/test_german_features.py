@@ -209,7 +209,7 @@ async def test_a_replay() -> None:
         await pilot.press("ctrl+q", "g")
         go_to = in_dialog(pilot.console, pilot.drawn())
         assert "Gehe zu" in go_to
-        assert "12:34, oder ein paar Buchstaben von Marke" in go_to
+        assert "12:34, oder Buchstaben von Marke" in go_to
         assert "Enter geht dorthin · Pfeile wählen · ctrl+q schließt" in go_to
         assert not english_in(go_to), go_to
 

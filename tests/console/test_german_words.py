@@ -254,3 +254,10 @@ def test_what_the_shell_says_behind_a_session_is_german() -> None:
         " (`session: {abandon_after: 1 h}` in der Versuchsdatei ändert das).",
         "Protokoll: P01.jsonl",
     ]
+
+
+async def test_what_is_kept_from_the_wizard_is_named_in_german() -> None:
+    async with piloted_console(size=(160, 50)) as pilot:
+        await pilot.tell(m.PerceptionChanged(hidden=["loudness", "gaze"], blurred=["transcript"]))
+        await pilot.until(lambda: "Verborgen: Lautheit, Blick" in pilot.drawn())
+        assert "Nur grob gezeigt: Gesprochenes" in pilot.drawn()

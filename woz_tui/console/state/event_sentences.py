@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, Protocol
@@ -519,6 +519,25 @@ def _reloaded(message: m.ExperimentReloaded, shown: EventContext) -> EventLine:
     return EventLine("info", say("events.reloaded", "File reloaded"), changes)
 
 
+#: What can be kept from a wizard, in a word.
+_KINDS: Mapping[str, Sentence] = {
+    "transcript": Sentence("events.transcript", "transcript"),
+    "distance": Sentence("engagement.distance", "distance"),
+    "loudness": Sentence("meters.loudness", "loudness"),
+    "presence": Sentence("engagement.presence", "presence"),
+    "gaze": Sentence("engagement.gaze", "gaze"),
+    "identity": Sentence("engagement.identity", "identity"),
+    "direction": Sentence("events.direction", "direction"),
+    "engagement": Sentence("delay.engagement", "engagement"),
+    "joints": Sentence("events.joints", "joints"),
+    "face": Sentence("events.face", "face"),
+}
+
+
+def _kinds(names: Iterable[str]) -> str:
+    return ", ".join(word(_KINDS.get(name, name)) for name in names)
+
+
 def _study_line(message: m.Message) -> EventLine | None:
     match message:
         case m.ConditionsAssigned():
@@ -558,10 +577,10 @@ def _study_line(message: m.Message) -> EventLine | None:
                 return EventLine("info", say("events.all_shown", "Nothing is hidden from you"))
             rough = ""
             if blurred:
-                rough = say("events.blurred", "Shown roughly: {what}", what=", ".join(blurred))
+                rough = say("events.blurred", "Shown roughly: {what}", what=_kinds(blurred))
             if not hidden:
                 return EventLine("info", rough)
-            text = say("events.hidden", "Hidden: {what}", what=", ".join(hidden))
+            text = say("events.hidden", "Hidden: {what}", what=_kinds(hidden))
             return EventLine("info", text, rough)
         case m.RerunStarted():
             commands = say("events.commands", "{number} commands", number=message.commands)

@@ -13,8 +13,8 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
-#: A link or picture of Markdown that leads into the repository.
-_LINK = re.compile(r"(!?)\[([^]]*)\]\((?![a-z]+:|#)([^)]*)\)")
+#: A link or picture of Markdown that leads into the repository, or to a heading of the page.
+_LINK = re.compile(r"(!?)\[([^]]*)\]\((?![a-z]+:)([^)]*)\)")
 
 
 class IndexPage(MetadataHookInterface):
@@ -33,6 +33,8 @@ class IndexPage(MetadataHookInterface):
 def _on_index(place: str, link: re.Match[str]) -> str:
     """The link with the whole address, or else its words alone; without one there is no picture."""
     picture, words, path = link.groups()
+    if path.startswith("#"):  # headings have no names there
+        path = f"README.md{path}"
     if place:
         return f"{picture}[{words}]({place % ('raw' if picture else 'blob')}{path})"
     return "" if picture else words

@@ -156,10 +156,13 @@ def test_the_page_of_the_package_index_has_no_link_that_leads_nowhere(
         [name] = [name for name in wheel.namelist() if name.endswith("/METADATA")]
         told = message_from_bytes(wheel.read(name))
     assert told["Description-Content-Type"] == "text/markdown"
-    page = told.get_payload()
-    assert "[docs/](docs/README.md)" in (ROOT / "README.md").read_text()
+    page = str(told.get_payload())
+    text = (ROOT / "README.md").read_text()
+    assert "[All pages](docs/README.md)" in text
+    assert "[Ten minutes with the demo](#ten-minutes" in text
     assert page.startswith("# woz-tui\n")
-    assert "\ndocs/ leads wizards" in page
+    assert "\nAll pages, for each" in page
+    assert "tonight.** Ten minutes with the demo have" in page
     assert re.findall(r"\]\((?!https?:)", page) == []
 
 
@@ -175,7 +178,7 @@ def test_the_page_of_the_package_index_leads_to_the_repository_once_it_has_an_ad
     assert metadata["readme"] == {
         "content-type": "text/markdown",
         "text": f"![Demo]({at % 'raw'}/a.svg) [docs]({at % 'blob'}/docs/) "
-        "[b](https://b.org) [c](#c)\n",
+        f"[b](https://b.org) [c]({at % 'blob'}/README.md#c)\n",
     }
 
 

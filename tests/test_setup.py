@@ -157,12 +157,9 @@ def test_the_page_of_the_package_index_has_no_link_that_leads_nowhere(
         told = message_from_bytes(wheel.read(name))
     assert told["Description-Content-Type"] == "text/markdown"
     page = str(told.get_payload())
-    text = (ROOT / "README.md").read_text()
-    assert "[All pages](docs/README.md)" in text
-    assert "[Ten minutes with the demo](#ten-minutes" in text
     assert page.startswith("# woz-tui\n")
-    assert "\nAll pages, for each" in page
-    assert "tonight.** Ten minutes with the demo have" in page
+    relative = re.findall(r"(?<!!)\[([^]]*)\]\((?!https?:)", (ROOT / "README.md").read_text())
+    assert relative and all(words in page for words in relative)
     assert re.findall(r"\]\((?!https?:)", page) == []
 
 

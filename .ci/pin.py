@@ -18,7 +18,7 @@ from packaging.requirements import Requirement
 
 ROOT = Path(__file__).resolve().parent.parent
 FILE = ROOT / "constraints.txt"
-PYTHONS = ("3.11", "3.12", "3.13")
+PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 PROCESSORS = ("x86_64", "aarch64")
 GLIBCS = (
     "manylinux_2_28",
@@ -29,7 +29,7 @@ GLIBCS = (
     "manylinux2010",
 )
 HEADER = """\
-# Exact versions of everything woz-tui runs and is developed with, for Python 3.11 to 3.13 on
+# Exact versions of everything woz-tui runs and is developed with, for Python 3.11 to 3.14 on
 # x86-64 and 64-bit ARM. Made by `make constraints`; do not edit.
 """
 

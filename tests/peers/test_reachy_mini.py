@@ -1,6 +1,6 @@
 """The driver for Reachy Mini against the vendor's daemon, without a robot: a mockup, and MuJoCo.
 
-Against the same daemon the simulated robot is compared, and the vendor's own client plays that.
+Against the same daemon the simulated robot is compared.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ import json
 import math
 import re
 import signal
-import sys
 import wave
 from collections.abc import AsyncIterator, Mapping
 from pathlib import Path
@@ -25,8 +24,7 @@ from woz_drivers.reachy_mini import ReachyMini, ReachyMiniSettings, daemon_link,
 from woz_drivers.reachy_mini.pose import HOME
 from woz_drivers.speech.settings import SynthesisSettings
 
-from tests.peers.places import place
-from tests.peers.vendors_daemon import BACKENDS, STARTS_S, VendorsDaemon
+from tests.peers.vendors_daemon import BACKENDS, VendorsDaemon
 from woz_tui.drivers import confirmed_stop
 from woz_tui.drivers.contract import (
     DeviceLostError,
@@ -485,47 +483,3 @@ async def test_a_daemon_that_never_had_media_is_silent_and_has_let_go_of_them(
         assert [text for _, text, _ in daemon_rig.context.notices if "camera" in text] == []
     finally:
         await daemon.end()
-
-
-VENDORS_CLIENT = """
-import sys
-from reachy_mini import ReachyMini
-from reachy_mini.utils import create_head_pose
-
-host, port = sys.argv[1].split(":")
-with ReachyMini(
-    host=host, port=int(port), connection_mode="network", media_backend="no_media"
-) as robot:
-    robot.goto_target(create_head_pose(yaw=20, degrees=True), antennas=[-0.5, 0.5], duration=0.5)
-    robot.set_target(antennas=[-0.2, 0.2])
-    print(robot.get_current_head_pose()[1][0], robot.client.get_status().version)
-"""
-
-
-async def test_the_vendors_client_takes_the_simulated_robot_for_one() -> None:
-    python = place("reachy-mini") / "bin" / "python"
-    async with ReachyMiniSimulator() as robot:
-        program = await asyncio.create_subprocess_exec(
-            *(str(python), "-c", VENDORS_CLIENT, robot.address),
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.PIPE,
-        )
-        output, errors = await asyncio.wait_for(program.communicate(), STARTS_S)
-    assert program.returncode == 0, errors.decode()
-    turned, version = output.decode().split()[-2:]
-    assert float(turned) == pytest.approx(math.sin(math.radians(20)), abs=0.02)
-    assert version == "1.12.0"
-
-
-async def test_the_benchmark_prints_its_tables() -> None:
-    place("reachy-mini")
-    program = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "benchmarks.reachy_daemon", "--quick"),
-        cwd=Path(__file__).parents[2],
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.PIPE,
-    )
-    output, errors = await asyncio.wait_for(program.communicate(), 3 * STARTS_S)
-    assert program.returncode == 0, errors.decode()
-    for line in ("goto: driver", "stands still", "killed", "frozen", "cut"):
-        assert line in output.decode()

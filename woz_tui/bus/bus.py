@@ -84,8 +84,9 @@ class DrivingWatch(Protocol):
 class FeatureFacts(Protocol):
     """What features say of the moment, for their rows of the gate."""
 
-    #: Those that have failed, with what they said last.
-    failed: Mapping[str, object]
+    @property
+    def failed(self) -> Mapping[str, object]:
+        """Those that have failed, with what they said last."""
 
     def facts(self) -> Mapping[str, object]:
         """By name."""

@@ -7,17 +7,7 @@ import sys
 from collections.abc import Callable
 from typing import ParamSpec
 
-from woz_tui.protocol.sentence import Sentence
-
 _Given = ParamSpec("_Given")
-_REMEDIES = {
-    errno.EEXIST: Sentence("start.path_taken", "choose another path, or remove the existing file"),
-    errno.ENOTDIR: Sentence("start.name_folder", "a part of this path is a file; name a folder"),
-    errno.EISDIR: Sentence("start.name_file", "this is a folder; name a file in it"),
-    errno.EACCES: Sentence("start.ask_owner", "ask its owner, or choose another path"),
-    errno.EROFS: Sentence("start.read_only", "choose a path that can be written to"),
-    errno.ENOSPC: Sentence("start.disk_full", "free space on this disk, or choose another path"),
-}
 
 
 def os_error_text(error: OSError) -> str:
@@ -25,8 +15,24 @@ def os_error_text(error: OSError) -> str:
     path = error.filename2 or error.filename
     if path is None or not error.strerror:
         return str(error)
+    from woz_tui.protocol.sentence import Sentence  # noqa: PLC0415 - `woz --help` needs none
+
+    remedies = {
+        errno.EEXIST: Sentence(
+            "start.path_taken", "choose another path, or remove the existing file"
+        ),
+        errno.ENOTDIR: Sentence(
+            "start.name_folder", "a part of this path is a file; name a folder"
+        ),
+        errno.EISDIR: Sentence("start.name_file", "this is a folder; name a file in it"),
+        errno.EACCES: Sentence("start.ask_owner", "ask its owner, or choose another path"),
+        errno.EROFS: Sentence("start.read_only", "choose a path that can be written to"),
+        errno.ENOSPC: Sentence(
+            "start.disk_full", "free space on this disk, or choose another path"
+        ),
+    }
     why = f"{error.strerror[:1].lower()}{error.strerror[1:]}"
-    remedy = _REMEDIES.get(error.errno or 0)
+    remedy = remedies.get(error.errno or 0)
     if remedy is None:
         return f"{path}: {why}"
     return Sentence("start.os_error", "{path}: {why} ({remedy})", path=path, why=why, remedy=remedy)

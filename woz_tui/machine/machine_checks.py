@@ -16,7 +16,7 @@ import tempfile
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -24,7 +24,7 @@ from woz_tui.drivers.contract import Finding
 from woz_tui.machine.program_output import output_of
 from woz_tui.protocol.sentence import Sentence
 
-Check = Callable[[], list[Finding] | Finding]
+Check = Callable[[], Iterable[Finding] | Finding]
 #: What the findings are about that the preflight has, too.
 _DATE = Sentence("preflight.date", "date")
 _DISK = Sentence("preflight.disk", "disk")

@@ -124,10 +124,10 @@ def asked(
     name: str, title: str, item: dict[str, Json], trial: int = -1, **given: Any
 ) -> tuple[Message, ...]:
     """One item from its question to its answer."""
-    words = {"item": str(item["name"]), "question": str(item["question"])}
+    own, question = str(item["name"]), str(item["question"])
     return (
         QuestionnaireStarted(questionnaire=name, title=title, items=[item], trial=trial),
-        QuestionnaireAnswered(questionnaire=name, **words, **given),
+        QuestionnaireAnswered(questionnaire=name, item=own, question=question, **given),
         QuestionnaireEnded(questionnaire=name, reason="done", answered=1),
     )
 

@@ -171,8 +171,9 @@ async def test_the_time_limit_ends_an_answer_and_not_the_server(server: Server) 
 
 
 async def test_woz_doctor_says_as_what_it_answers_and_how_soon(
-    tmp_path: Path, server: Server
+    tmp_path: Path, server: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(doctor, "_WAITS_S", BUSY_S)
     made = server.experiment(tmp_path)
     found = await asyncio.to_thread(lambda: [*doctor.CHECKS.of_file(made)])
     assert found[0].text.startswith(f"answers as {NAME}, in ")

@@ -75,7 +75,7 @@ async def test_two_keys_say_the_line_of_the_script_with_what_is_offered() -> Non
         ]
         await pilot.press("space")
         assert not asked(pilot, AskScript), "nothing is said yet"
-        assert re.fullmatch(r" Do you like +\?", rows(pilot)[0])
+        assert re.fullmatch(r" Do you like colour +\?", rows(pilot)[0])
         assert "enter says it" in rows(pilot)[1]
         pilot.clock.advance(0.7)
         await pilot.press("2")
@@ -96,7 +96,7 @@ async def test_the_key_of_an_action_asks_for_each_slot_and_what_is_typed_is_said
         await pilot.press("c", "b")
         await pilot.type("deep green")
         await pilot.press("enter")
-        assert rows(pilot)[0].startswith(" deep green and ")
+        assert rows(pilot)[0].startswith(" deep green and shape "), "it says what it asks for"
         await pilot.press("1", "enter")
         [request] = asked(pilot, r.AskAction)
         assert isinstance(request, r.AskAction)

@@ -114,6 +114,7 @@ class SlotDialog(Dialog):
         kept = kept_values(self.state.session).get(self._slot)
         self._heard, self._word, self._wrong = "", -1, ""
         entry = self._entry
+        entry.placeholder = self._slot
         entry.value = clean(kept.text) if kept is not None else ""
         entry.focus()
         entry.action_select_all()

@@ -261,3 +261,12 @@ async def test_what_is_kept_from_the_wizard_is_named_in_german() -> None:
         await pilot.tell(m.PerceptionChanged(hidden=["loudness", "gaze"], blurred=["transcript"]))
         await pilot.until(lambda: "Verborgen: Lautheit, Blick" in pilot.drawn())
         assert "Nur grob gezeigt: Gesprochenes" in pilot.drawn()
+
+
+def test_words_that_are_kept_are_hidden_in_german_and_a_wizards_own_stay() -> None:
+    redactor = Redactor(StudySettings(blind={"warm": "A", "cold": "B"}))
+    kept = redactor.message(m.Note(text="it is warm", tells=("condition",)))
+    assert isinstance(kept, m.Note)
+    state = ConsoleState()
+    state.apply([scenes.welcome(), kept, m.Note(text="hidden")], 0)
+    assert [event.text for event in list(state.events)[-2:]] == ["verborgen", "hidden"]

@@ -26,6 +26,7 @@ from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView
 from woz_tui.protocol.requesters import END_REASONS, WATCHER
 from woz_tui.protocol.sentence import Sentence
+from woz_tui.session.redactor import HIDDEN
 from woz_tui.timeline.session_state import SessionState
 
 #: Who or what pressed, where it was not a key.
@@ -228,6 +229,10 @@ def event_line(message: m.Message, shown: EventContext) -> EventLine | None:
         event = _sentences().get(type(message), _of_study)(message, shown)
     if event is not None:
         event.t = message.t
+        if isinstance(message, m.RestrictedMessage) and message.tells:  # words that are kept
+            hidden = say("meters.hidden", "hidden")
+            event.text = hidden if event.text == HIDDEN else event.text
+            event.detail = hidden if event.detail == HIDDEN else event.detail
         # What the robot does by itself, as an effect of the engagement model, is no act, either.
         by_robot = (
             isinstance(message, m.ActionRequested | m.Command) and message.source == ENGAGEMENT

@@ -28,7 +28,7 @@ from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol import requests as r
 from woz_tui.protocol.panels import TYPED, TYPED_NAME, ActionView, PanelView
-from woz_tui.protocol.requesters import requester
+from woz_tui.protocol.requesters import SESSION_ENDED, requester
 from woz_tui.protocol.welcome import PerceptionView, StudySettings
 from woz_tui.replay.bookmarks import bookmark_of
 from woz_tui.sensing.engagement_model import EngagementModel, Transition
@@ -141,11 +141,13 @@ def test_the_disk_is_told_in_german(tmp_path: Path) -> None:
 
 
 async def test_why_a_session_ended_is_worded() -> None:
-    async with piloted_console() as pilot:
+    async with piloted_console(size=(160, 50)) as pilot:
+        await pilot.tell(m.TrialEnded(trial=3, outcome="aborted", text=SESSION_ENDED))
         await pilot.tell(m.SessionEnd(reason="abandoned", sha256=""))
         await pilot.until(lambda: "Sitzung beendet" in pilot.drawn())
         assert "verlassen" in pilot.drawn()
         assert "abandoned" not in pilot.drawn()
+        assert "die Sitzung endete" in pilot.drawn()
 
 
 def typed_panel(*labels: str) -> PanelView:

@@ -35,13 +35,16 @@ STOP_SOURCES = {
     "program": Sentence("stop.by_program", "program"),
     "console-lost": Sentence("stop.by_lost_console", "console-lost"),
 }
-#: Why a session ended, where no sentence says it.
+#: Why trials and breaks ended that nobody ended.
+SESSION_ENDED = Sentence("events.session_ended", "the session ended")
+#: Why a session ended, where nobody has written why.
 END_REASONS = {
     "wizard": Sentence("events.end_wizard", "wizard"),
     "program": Sentence("events.end_program", "program"),
     "abandoned": Sentence("events.end_abandoned", "abandoned"),
     "terminated": Sentence("events.end_terminated", "terminated"),
     "crashed": Sentence("events.end_crashed", "crashed"),
+    "the re-run is over": Sentence("host.rerun_over", "the re-run is over"),
 }
 
 

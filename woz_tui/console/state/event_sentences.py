@@ -24,7 +24,7 @@ from woz_tui.console.state.view_models import SENSOR_STATES, DriverView
 from woz_tui.feature import answer_of, pieces
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.panels import ActionView
-from woz_tui.protocol.requesters import END_REASONS, WATCHER
+from woz_tui.protocol.requesters import END_REASONS, SESSION_ENDED, WATCHER
 from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.redactor import HIDDEN
 from woz_tui.timeline.session_state import SessionState
@@ -543,6 +543,11 @@ def _kinds(names: Iterable[str]) -> str:
     return ", ".join(word(_KINDS.get(name, name)) for name in names)
 
 
+def _by_session(text: str) -> str:
+    """Why something ended that nobody ended; words that somebody wrote as they are."""
+    return word(SESSION_ENDED) if text == SESSION_ENDED else text
+
+
 def _study_line(message: m.Message) -> EventLine | None:
     match message:
         case m.ConditionsAssigned():
@@ -564,11 +569,13 @@ def _study_line(message: m.Message) -> EventLine | None:
             mark = _OUTCOMES.get(outcome, "info")
             how = word(TRIAL_OUTCOMES.get(outcome, outcome))
             text = say("events.trial_ended", "Trial {trial} {how}", trial=message.trial, how=how)
-            return EventLine(mark, text, message.text)
+            return EventLine(mark, text, _by_session(message.text))
         case m.BreakStarted():
             return EventLine("info", say("events.break", "Break"), message.text)
         case m.BreakEnded():
-            return EventLine("info", say("events.break_over", "Break over"), message.text)
+            return EventLine(
+                "info", say("events.break_over", "Break over"), _by_session(message.text)
+            )
         case m.PreflightChecked(source="robot"):
             return None  # what a program found out stands in the preflight
         case m.PreflightChecked(level="ok"):

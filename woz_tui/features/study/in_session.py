@@ -16,7 +16,7 @@ from woz_tui.features.study.kinds import AskAssign, AskProposal, AskTrial
 from woz_tui.features.study.section import DESIGN
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.refusal import RequestError
-from woz_tui.protocol.requesters import WIZARD
+from woz_tui.protocol.requesters import SESSION_ENDED, WIZARD
 from woz_tui.protocol.sentence import Sentence
 from woz_tui.session.participant_identity import check_condition, check_participant
 from woz_tui.session.session_features import Client, FeatureSession, SessionFeature
@@ -80,8 +80,8 @@ class TrialController(SessionFeature):
 
     def close(self) -> None:
         """What is under way ends with the session."""
-        self._end_break("the session ended")
-        self._end_trial("aborted", "the session ended")
+        self._end_break(SESSION_ENDED)
+        self._end_trial("aborted", SESSION_ENDED)
 
     # -- conditions --------------------------------------------------------------------------------
 

@@ -19,6 +19,7 @@ from tests.fakes.terminal import ROOT
 from tests.host.rude_driver import installed
 from woz_tui.cli import main
 from woz_tui.cli.console_start import _restart
+from woz_tui.config.screen_language import use
 from woz_tui.console.link.host_start import Launch, LaunchError, host_arguments
 from woz_tui.log.withdrawals import Withdrawal, add_withdrawal
 from woz_tui.system import session_sockets
@@ -145,6 +146,16 @@ def test_a_file_that_is_not_there_is_named(
 ) -> None:
     assert main(["host", str(tmp_path / "none.yaml")]) == 1
     assert "none.yaml:1:1" in capsys.readouterr().err
+
+
+def test_what_is_wrong_with_the_file_is_told_in_the_screens_language(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    try:
+        assert main(["host", "--language", "de", str(tmp_path / "none.yaml")]) == 1
+    finally:
+        use("en")
+    assert "none.yaml:1:1: file: diese Datei gibt es nicht" in capsys.readouterr().err
 
 
 def test_a_socket_folder_of_somebody_else_is_told_in_a_sentence(

@@ -11,8 +11,12 @@ from tests.console import scenes
 from tests.console.dialogs import OPENERS, busy, open_dialog
 from tests.console.piloting import piloted_console
 from tools.screen_sentences import sentences
-from woz_tui.config.screen_language import catalogue, use, word
+from woz_tui.config.file_position import FilePosition, Problem
+from woz_tui.config.screen_language import catalogue, use, word, worded
+from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
+from woz_tui.protocol import requests as r
+from woz_tui.protocol.sentence import Sentence
 
 #: Sections of what dialogs, finder, help and the lowest line say.
 SECTIONS = (
@@ -107,6 +111,25 @@ async def test_what_the_console_tells_is_german() -> None:
     async with piloted_console(scenes.welcome()) as pilot:
         await pilot.press("f20")
         await pilot.until(lambda: "ist nicht belegt" in pilot.drawn())
+
+
+async def test_what_is_wrong_with_the_file_is_german() -> None:
+    place = FilePosition("guide.yaml", 3, 1)
+    lost = Sentence("check.no_action", "there is no action {name}{near}", name="'Wave'", near="")
+    problems = [Problem(place, "then", lost), Problem(place, "port", "nobody is there")]
+    data = [problem.sentence for problem in problems]
+
+    def answer(_: r.Request, ref: int) -> r.Reply:
+        line = codec.encode(r.Reply(ref=ref, ok=False, reason="no", data=[*data]))
+        came = worded(codec.decode_incoming(line))
+        assert isinstance(came, r.Reply)
+        return came
+
+    async with piloted_console(size=(80, 24)) as pilot:
+        pilot.feed.answers[r.AskReload] = answer
+        await open_dialog(pilot, "ReloadDialog")
+        await pilot.until(lambda: "guide.yaml:3:1: then: es gibt keine Aktion" in pilot.drawn())
+        assert "guide.yaml:3:1: port: nobody is there" in pilot.drawn()
 
 
 def test_subjects_of_the_preflight_fit_their_column() -> None:

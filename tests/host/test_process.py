@@ -300,14 +300,15 @@ def test_started_by_hand_or_as_a_service_it_says_that_it_is_ready_and_how_to_joi
             told = (
                 b"woz: session S04 is ready; join it with `woz attach s`\n"  # WOZ_SOCKET names it
             )
-            assert host.process.stderr.readline() == told
+            # A busy machine has notices of its own.
+            assert told in iter(host.process.stderr.readline, b"")
             assert manager.recv(1000) == b"READY=1\nSTATUS=session S04: woz attach s"
             assert answers(host.socket)
             host.process.terminate()
             assert manager.recv(1000) == b"STOPPING=1"
             assert host.ended() == 0
             said = f"woz: session S04 has ended; its log is in {tmp_path / 'rec'}\n"
-            assert host.process.stderr.read().decode() == said
+            assert host.process.stderr.read().decode().endswith(said)
             assert host.process.stdout.read() == b""
 
 

@@ -16,4 +16,5 @@ MESSAGES = (
 REQUESTS = (
     AskDictated(ref=67, text="It is a wale", lasted_us=1_400_000, took_us=900_000),
     AskDictation(ref=68, on=True),
+    AskDictation(ref=69, on=True, again=True),
 )

@@ -55,6 +55,7 @@ def test_the_bundle_has_findings_and_versions(
         ("ws://pi:secret@192.168.1.7:80/x", "ws://pi:***@ADDRESS:80/x"),
         ("127.0.0.1 and 10.0.0.3 and 0.0.0.0", "127.0.0.1 and ADDRESS and 0.0.0.0"),
         ("fe80::1:2ff:fe33:4455 answers", "ADDRESS answers"),
+        ("fe80::1%eth0 and [2001:db8::7]:80", "ADDRESS%eth0 and [ADDRESS]:80"),
         ("mail ada@example.org", "mail MAIL"),
         ("it is 12:30:45, version 1.2.3", "it is 12:30:45, version 1.2.3"),
     ],

@@ -27,7 +27,9 @@ A log without words and dates: woz export LOG --to jsonl --redact-text --out FOL
 """
 #: Those of this computer itself and of none tell nothing.
 _ADDRESS = re.compile(r"\b(?!127\.|0\.0\.0\.0)(?:\d{1,3}\.){3}\d{1,3}\b")
-_ADDRESS_6 = re.compile(r"(?<![\w:])(?:[0-9a-f]{0,4}:){3,7}[0-9a-f]{1,4}(?![\w:])", re.IGNORECASE)
+_ADDRESS_6 = re.compile(
+    r"(?<![\w:])(?:(?:[0-9a-f]{0,4}:){3,7}|[0-9a-f]{1,4}::)[0-9a-f]{1,4}(?![\w:])", re.IGNORECASE
+)
 _MAIL = re.compile(r"[\w.+-]+@[\w-]+\.[\w.-]+")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -130,3 +131,21 @@ def test_it_stands_in_woz_check_all_and_not_without(
     assert "people's data, for an ethics application" in capsys.readouterr().out
     assert main(["check", str(path)]) == 0
     assert "ethics" not in capsys.readouterr().out
+
+
+def test_what_is_told_for_a_board_holds_no_password_of_an_address(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = "[curl, 'https://me:hunter2@asr.example/x?token=abc123', '{file}']"
+    head = (
+        f"title: T\nrobot: {{drivers: {{ear: {{type: microphone, transcribe: {program}}},"
+        " body: {type: simulated}}}\n"
+        "suggest: {model: {url: 'http://me:hunter3@127.0.0.1:8080/v1'}}\n"
+    )
+    path = tmp_path / "experiment.yaml"
+    path.write_text(panel(HELLO, head=head), encoding="utf-8")
+    assert main(["check", "--all", str(path)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "me:***@asr.example" in said
+    assert "me:***@127.0.0.1" in said
+    assert not {"hunter2", "hunter3", "abc123"} & set(re.findall(r"\w+", said))

@@ -39,6 +39,7 @@ from woz_tui.config.session_verbs import engagement_verbs
 from woz_tui.console.drawing.text_console import TextConsole
 from woz_tui.drivers import plugins
 from woz_tui.drivers.contract import Argument, Driver, Verb
+from woz_tui.drivers.secret_arguments import without_passwords
 from woz_tui.protocol.messages import Json
 from woz_tui.protocol.panels import covers_verb
 from woz_tui.sensing.engagement_summary import engagement_json, engagement_lines
@@ -312,7 +313,11 @@ def _print_section(console: TextConsole, title: str, rows: Iterable[tuple[Text, 
 
 
 def _subject_rows(lines: Iterable[tuple[str, str]]) -> Iterator[tuple[Text, Text]]:
-    return ((Text(subject, style="dim"), Text(sentence)) for subject, sentence in lines)
+    """Sentences quote addresses and programs of the file, and are handed to others."""
+    return (
+        (Text(subject, style="dim"), Text(without_passwords(sentence)))
+        for subject, sentence in lines
+    )
 
 
 def verb_rows(verbs: Sequence[Verb]) -> list[tuple[Text, Text]]:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
+from woz_drivers.microphone import Microphone
 
 from tests.config.reading import HELLO, panel
 from woz_tui.cli import main
 from woz_tui.config.loading import load
+from woz_tui.drivers.contract import Driver
 from woz_tui.drivers.plugins import installed
 from woz_tui.session.people_data import people_lines
 
@@ -120,6 +124,44 @@ def test_what_is_known_of_participants_and_who_may_join(tmp_path: Path) -> None:
     ]
     assert lines["consent"][0].endswith("a person checks: The consent form is signed")
     assert lines["minors"][0].endswith("texts are chosen by participant.group: child, else")
+
+
+class UnsureDriver(Microphone):
+    """Somebody's, of which nothing is known then."""
+
+    @classmethod
+    def people_data(cls, settings: Any) -> Iterable[tuple[str, str]]:
+        yield "kept", "some sound"
+        raise RuntimeError("no idea")
+
+
+class AskingDriver(Microphone):
+    """Somebody's, with a word of its own."""
+
+    @classmethod
+    def people_data(cls, settings: Any) -> Iterable[tuple[str, str]]:
+        yield "goes", "some sound"
+
+
+@pytest.mark.parametrize(
+    ("driver", "why"),
+    [
+        (UnsureDriver, "RuntimeError: no idea"),
+        (AskingDriver, "ValueError: 'goes' is none of LEAVES, KEPT and DECIDES"),
+    ],
+)
+def test_a_driver_that_fails_to_say_it_is_named(
+    tmp_path: Path, driver: type[Driver], why: str
+) -> None:
+    path = tmp_path / "experiment.yaml"
+    head = "title: T\nrobot: {drivers: {voice: {type: speech}, ear: {type: microphone}}}\n"
+    path.write_text(panel(HELLO, head=head), encoding="utf-8")
+    catalogue = {**installed(), "microphone": driver}
+    lines = [*people_lines(load(path, catalogue), catalogue)]
+    assert [sentence for about, sentence in lines if about == "leaves"] == [
+        f"ear: its driver fails to say what becomes of people's data ({why})"
+    ]
+    assert "withdrawal" in dict(lines)
 
 
 def test_it_stands_in_woz_check_all_and_not_without(

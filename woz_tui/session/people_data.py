@@ -6,6 +6,7 @@ Nothing is guessed. What boards ask and no file can say is named as missing.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from woz_tui.config.experiment import Experiment
 from woz_tui.config.feature_section import sections
@@ -49,8 +50,21 @@ def _of_drivers(
         elif isinstance(address, str) and address and not (spec.simulated or address[0] == "/"):
             yield LEAVES, f"between this computer and {address}: what {spec.name} says and senses"
         if spec.type in catalogue and not spec.simulated:
-            for about, sentence in catalogue[spec.type].people_data(spec.settings):
+            for about, sentence in _said_by(catalogue[spec.type], spec.settings):
                 yield about, f"{spec.name}: {sentence}"
+
+
+def _said_by(driver: type[Driver], settings: Any) -> list[tuple[str, str]]:
+    """What a driver says, whose code may be a stranger's; what it fails to say may be anything."""
+    try:
+        facts = [*driver.people_data(settings)]
+        for about, _ in facts:
+            if about not in (LEAVES, KEPT, DECIDES):
+                raise ValueError(f"{about!r} is none of LEAVES, KEPT and DECIDES")
+    except Exception as error:  # noqa: BLE001 - a plug-in's code
+        why = f"{type(error).__name__}: {error}"
+        return [(LEAVES, f"its driver fails to say what becomes of people's data ({why})")]
+    return facts
 
 
 def _of_engagement(experiment: Experiment) -> Iterator[tuple[str, str]]:

@@ -11,6 +11,7 @@ from tests.protocol import examples
 from woz_tui.protocol import codec
 from woz_tui.protocol import messages as m
 from woz_tui.protocol.kinds import message_kinds, participant_words
+from woz_tui.protocol.sentence import Sentence
 from woz_tui.protocol.welcome import StudySettings
 from woz_tui.session.redactor import NAMES, ParticipantRedactor, Redactor
 
@@ -61,3 +62,12 @@ def test_a_new_kind_keeps_all_its_words_and_only_names_go_through() -> None:
     assert isinstance(seen, Waved)
     assert seen.driver == "eye"
     assert "warm" not in f"{seen.gesture} {seen.text}"
+
+
+def test_why_an_order_was_taken_a_participant_gets_in_no_form() -> None:
+    why = Sentence("study.chosen_by", "chosen by {by}", by="warm first")
+    said = m.ConditionsAssigned(participant="P01", order=["warm"], method="hand", row=-1, why=why)
+    for message in (said, codec.decode_message(codec.encode(said))):  # as made, and as in a log
+        seen = ParticipantRedactor().message(message)
+        assert seen is not None
+        assert b"warm" not in codec.encode(seen)

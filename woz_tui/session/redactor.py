@@ -574,7 +574,7 @@ class ParticipantRedactor(Redactor):
             case m.SessionChanged():
                 return replace(message, condition=None)
             case m.ConditionsAssigned(order=order):
-                return replace(message, order=_numbered(order), why="")
+                return replace(message, order=_numbered(order), why="", wording={})
             case m.RestrictedMessage() if type(message) not in participant_words():
                 return replace(message, **dict.fromkeys(_word_fields(type(message)), ""))
         return message

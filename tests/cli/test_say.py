@@ -165,3 +165,13 @@ def test_a_robot_file_speaks_without_an_experiment(
     assert "head: this robot does not list its voices" in capsys.readouterr().err
     assert cli.main(["voices", str(path), "--robot", "nao"]) == 1
     assert "--robot is for experiments" in capsys.readouterr().err
+
+
+def test_whose_voices_are_asked_for_is_not_the_language_of_errors(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("LC_ALL", "C")
+    path = tmp_path / "e.yaml"
+    path.write_text(panel("{label: A, say: Hello}", head="title: T\nrobot: nobody\n"))
+    assert cli.main(["voices", str(path), "--language", "de"]) == 1
+    assert "there is no robot 'nobody'" in capsys.readouterr().err

@@ -22,13 +22,19 @@ ERRORS = CommandErrors(ValueError, who="woz voices")
 
 def add(parser: ArgumentParser) -> None:
     add_speakers(parser)
-    parser.add_argument("--language", default="", help="only those of a language, such as de")
+    parser.add_argument(
+        "--language",
+        dest="spoken",  # errors are told in the screen's `language`
+        metavar="LANGUAGE",
+        default="",
+        help="only those of a language, such as de",
+    )
     parser.add_argument("--json", action="store_true", help="for programs: a JSON list")
 
 
 def run(arguments: Namespace) -> int:
     """List them; 0 if there is one."""
-    wanted = arguments.language.lower()
+    wanted = arguments.spoken.lower()
     found: dict[VoiceFound, None] = {}
     languages: set[str] = set()
     asked = speakers(arguments, plugins.installed())
@@ -57,7 +63,7 @@ def _why_none(arguments: Namespace, asked: list[Speaker], languages: set[str]) -
     """Why there is nothing to list, and what helps. `languages`: of all voices that there are."""
     if languages:
         there = ", ".join(sorted(languages - {""})) or "voices whose language is unknown"
-        return f"no voice speaks {arguments.language!r}; there are: {there}"
+        return f"no voice speaks {arguments.spoken!r}; there are: {there}"
     if not asked:
         return f"no driver of {arguments.experiment} speaks"
     none = getattr(Driver.voices, "__func__", None)  # a driver without a list of its own has this

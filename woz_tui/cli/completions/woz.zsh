@@ -835,7 +835,7 @@ _shtab_woz_voices_options=(
   "(- : *)"{-h,--help}"[show this help message and exit]"
   "--robot[another robot than the file\'s\: a robot file, the name of one, or a type (see \`woz robots\`)]:NAME:_files"
   "*--set[a setting of \`type\: speech\`, without a file (repeatable)]:NAME=VALUE:"
-  "--language[only those of a language, such as de]:language:"
+  "--language[only those of a language, such as de]:LANGUAGE:"
   "--json[for programs\: a JSON list]"
   ":experiment or robot file (default\: this machine\'s voice):_files"
 )

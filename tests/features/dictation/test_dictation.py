@@ -340,6 +340,27 @@ async def test_a_field_that_was_silent_for_too_long_opens_anew() -> None:
         assert said[-1].on
 
 
+async def test_a_stop_by_somebody_else_closes_the_field_for_good() -> None:
+    async with piloted_console() as pilot:
+
+        def said() -> list[bool]:
+            return [each.on for each in pilot.feed.asked if isinstance(each, AskDictation)]
+
+        await pilot.press("f10")
+        await at(pilot, listens(), 5000)
+        await pilot.type("A whale")
+        await at(pilot, m.StopPressed(source="program"), 5001)
+        await at(pilot, DictationListens(on=False, console="console1", why="stop"), 5002)
+        await pilot.pass_time(5)
+        assert pilot.console.dialog is None
+        assert said() == [True, False]
+        await at(pilot, listens(), 5003)  # which a session says before it answers
+        await pilot.press("f10")
+        await pilot.pass_time(0.6)
+        assert entry(pilot).value == "A whale"
+        assert said() == [True, False, True, True]
+
+
 async def test_a_refusal_stands_in_the_field() -> None:
     async with piloted_console() as pilot:
         pilot.feed.answers[AskDictation] = lambda request, ref: Reply(

@@ -12,6 +12,7 @@ from woz_tui.console.drawing.cells import Row
 from woz_tui.console.screens.dialog import content, refusal_text
 from woz_tui.console.screens.say import SayDialog
 from woz_tui.features.dictation.console import is_attached
+from woz_tui.features.dictation.history import DictationHistory
 from woz_tui.features.dictation.kinds import AskDictation
 from woz_tui.features.dictation.notes import DictatedTexts
 from woz_tui.protocol.requests import Reply
@@ -63,6 +64,9 @@ class DictationDialog(SayDialog):
     def _go_on(self) -> None:
         if not self.there or not self.is_on_top:
             return
+        if self._is_stopped:
+            self.console_app.close_dialog(self)
+            return
         now = self.console_app.clock.now_us()
         due = self._said_us is None or now - self._said_us >= _SAID_US
         feed = self.console_app.feed
@@ -79,7 +83,12 @@ class DictationDialog(SayDialog):
             self._said_us = None
         else:
             self._refused = "" if reply.ok else refusal_text(reply)
-        self._opened = reply.ok
+        self._opened = reply.ok or self._is_stopped
+
+    @property
+    def _is_stopped(self) -> bool:
+        """Whether a stop has closed it: somebody else's, since one from here closes the dialog."""
+        return self._opened and self.state.session.history(DictationHistory).closed == "stop"
 
     def _listens(self) -> Row:
         """Whether what is said now comes here, and else what would help."""

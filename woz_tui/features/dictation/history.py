@@ -13,13 +13,14 @@ from woz_tui.timeline.session_state import SessionState, moment
 
 
 class DictationHistory(FeatureHistory):
-    """The last text, and the field that is open."""
+    """The last text, the field that is open, and why the last one was closed."""
 
     deeds = (Dictated, DictationSaid)
 
     def __init__(self) -> None:
         self.last: Dictated | None = None
         self.listens: DictationListens | None = None
+        self.closed = ""
 
     def _dictate(self, message: Dictated, state: SessionState) -> Iterable[Episode]:
         self.last = message
@@ -30,6 +31,7 @@ class DictationHistory(FeatureHistory):
 
     def _listen(self, message: DictationListens, state: SessionState) -> None:
         self.listens = message if message.on else None
+        self.closed = message.why
 
     cases: ClassVar[Mapping[type[m.Message], HistoryCase]] = {
         Dictated: _dictate,

@@ -216,7 +216,7 @@ class AskPropose(Request, frozen=True, kw_only=True, tag="propose"):
 
 class AskModelTold(Request, frozen=True, kw_only=True, tag="model-told"):
     """Of `woz suggest`: what it asked a model, and what came of it, for the log (as in
-    `suggest.asked`). `given_up`: it asks no more for a while, and the wizard is told.
+    `suggest.asked`). `given_up`: it asks no more for a while; the wizard is told by `model-state`.
     """
 
     cue: str = ""

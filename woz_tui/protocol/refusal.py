@@ -42,7 +42,7 @@ class RequestError(ValueError):
         self.command = command
         self.needs = needs
         self.reason = reason
-        there = Sentence("host.there_are", "there are {names}", names=", ".join(conditions))
+        there = Sentence("gate.there_are", "there are {names}", names=", ".join(conditions))
         self.hint = there if conditions else hint
         self.conditions = conditions
 

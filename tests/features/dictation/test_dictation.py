@@ -361,6 +361,20 @@ async def test_a_stop_by_somebody_else_closes_the_field_for_good() -> None:
         assert said() == [True, False, True, True]
 
 
+async def test_what_is_dictated_at_another_console_does_not_come_into_this_field() -> None:
+    async with piloted_console() as pilot:
+        await at(pilot, listens(console="c0"), 5000)
+        await pilot.press("f10")
+        await pilot.type("Hello")
+        await at(pilot, Dictated(dictation=1, text="Of somebody else"), 5001)
+        assert entry(pilot).value == "Hello"
+        await at(pilot, listens(on=False, console="c0"), 5002)
+        await at(pilot, listens(), 5003)
+        assert entry(pilot).value == "Hello"
+        await at(pilot, Dictated(dictation=2, text="there."), 5004)
+        assert entry(pilot).value == "Hello there."
+
+
 async def test_a_refusal_stands_in_the_field() -> None:
     async with piloted_console() as pilot:
         pilot.feed.answers[AskDictation] = lambda request, ref: Reply(

@@ -108,11 +108,14 @@ class DictationDialog(SayDialog):
         return ((say("dictation.listens", "listens: what you say comes here"), "good"),)
 
     def _take(self) -> None:
-        """Each once, also where the line to the robot was lost meanwhile."""
+        """Each once, also where the line to the robot was lost meanwhile. What comes while another
+        console has the field is meant for that one.
+        """
         notes, drafts = self.state.study.notes.of(DictatedTexts), self.requests.drafts
         place = f"dictated {self.state.log}"
         texts = notes.after(int(drafts.get(place, "0"))) if notes is not None else {}
         if texts:
             drafts[place] = str(max(texts))
+        if texts and notes is not None and notes.listens in ("", self.state.console):
             new = " ".join(texts.values()).replace("{", "{{").replace("}", "}}")
             self.set_text(f"{self.entry.value.rstrip()} {new}".lstrip())

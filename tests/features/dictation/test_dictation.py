@@ -288,6 +288,7 @@ async def test_its_key_opens_the_field_and_enter_says_what_came_into_it() -> Non
         await at(pilot, Dictated(dictation=2, text="And {big}."), 5002)
         assert entry(pilot).value == "It is a whale. And {{big}}."
         assert not pilot.feed.last(AskVerb), "she looks at it first"
+        await pilot.pass_time(0.3)
         await pilot.press("enter")
         asked = pilot.feed.last(AskVerb)
         assert isinstance(asked, AskVerb)
@@ -373,6 +374,24 @@ async def test_what_is_dictated_at_another_console_does_not_come_into_this_field
         assert entry(pilot).value == "Hello"
         await at(pilot, Dictated(dictation=2, text="there."), 5004)
         assert entry(pilot).value == "Hello there."
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+async def test_enter_does_not_say_a_text_that_came_just_before_it(size: tuple[int, int]) -> None:
+    async with piloted_console(size=size) as pilot:
+        await pilot.press("f10")
+        await pilot.type("Hello.")
+        await at(pilot, listens(), 5000)
+        await at(pilot, Dictated(dictation=1, text="What was I to say?"), 5001)
+        await pilot.press("enter")
+        assert not pilot.feed.last(AskVerb)
+        assert "a text had only just come; press enter again" in pilot.drawn()
+        assert entry(pilot).value == "Hello. What was I to say?"
+        await pilot.pass_time(0.3)
+        await pilot.press("enter")
+        asked = pilot.feed.last(AskVerb)
+        assert isinstance(asked, AskVerb)
+        assert asked.args["text"] == "Hello. What was I to say?"
 
 
 async def test_a_refusal_stands_in_the_field() -> None:

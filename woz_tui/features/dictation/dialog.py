@@ -21,6 +21,9 @@ from woz_tui.protocol.sentence import Sentence
 #: So often it says that it is open, in microseconds: a screen that does not paint any more, or has
 #: lost its terminal, says nothing.
 _SAID_US = 500_000
+#: Enter says nothing while what was dictated last has stood there for less time, in microseconds:
+#: nobody has read it.
+SETTLE_US = 300_000
 
 
 class DictationDialog(SayDialog):
@@ -34,6 +37,8 @@ class DictationDialog(SayDialog):
         #: When it said last that it is open, and whether that was taken.
         self._said_us: int | None = None
         self._opened = False
+        #: When a text came last.
+        self._came_us: int | None = None
         self._refused = ""
         self._shown: Row = ()
 
@@ -60,6 +65,15 @@ class DictationDialog(SayDialog):
     def closing(self) -> None:
         super().closing()
         self.requests.ask(AskDictation(on=False))
+
+    def accept(self, typed: str) -> None:
+        """Unless a text came just before enter was pressed."""
+        came, now = self._came_us, self.console_app.clock.now_us()
+        if came is None or now - came >= SETTLE_US:
+            super().accept(typed)
+            return
+        just = say("dictation.just_came", "Not said: a text had only just come; press enter again")
+        self.console_app.news(just, "warn")
 
     def _go_on(self) -> None:
         if not self.there or not self.is_on_top:
@@ -117,5 +131,6 @@ class DictationDialog(SayDialog):
         if texts:
             drafts[place] = str(max(texts))
         if texts and notes is not None and notes.listens in ("", self.state.console):
+            self._came_us = self.console_app.clock.now_us()
             new = " ".join(texts.values()).replace("{", "{{").replace("}", "}}")
             self.set_text(f"{self.entry.value.rstrip()} {new}".lstrip())

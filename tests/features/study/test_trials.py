@@ -66,6 +66,14 @@ async def test_a_trial_that_does_not_count_gets_a_word(key: str, what: str) -> N
         assert (asked.what, asked.text) == (what, "fire alarm")
 
 
+async def test_the_word_for_a_trial_takes_a_text_that_comes_as_many_keys() -> None:
+    async with piloted_console(study_scene.welcome(study_scene.trial())) as pilot:
+        await pilot.press("asterisk")
+        assert pilot.console.keyboard.text_of("e") == ""
+        await pilot.press("a")
+        assert pilot.console.keyboard.text_of("e") == "e"
+
+
 @pytest.mark.parametrize("key", ["d", "a"])
 async def test_a_trial_that_somebody_else_has_ended_meanwhile_is_not_mistaken_for_the_next(
     key: str,

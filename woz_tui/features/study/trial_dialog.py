@@ -122,6 +122,7 @@ class TrialDialog(Dialog):
             step.do(self.console_app, "")
             return
         self._asking, self.typed_into = step, True
+        self.console_app.give_keys()
         for choices in self.query("#choices").results(OptionList):
             choices.display = False
         for field in self.query("#why").results(Input):

@@ -14,6 +14,8 @@ from tests.console import scenes
 from tests.console.piloting import ConsolePilot, piloted_console
 from tests.console.still_feed import StillFeed
 from woz_tui.console.commands import COMMANDS
+from woz_tui.console.drawing.glyphs import ASCII, UNICODE, Glyphs
+from woz_tui.console.drawing.theme import Appearance
 from woz_tui.console.input.keyboard import AskedFirst, Keyboard
 from woz_tui.features.scripts.kinds import AskScript, ScriptMoved
 from woz_tui.features.slots.dialog import SlotDialog
@@ -203,16 +205,19 @@ async def test_nobody_is_asked_about_what_is_stopped() -> None:
         assert len(asked(pilot, r.AskAction)) == 1, "the robot process says why it is refused"
 
 
-async def test_many_offers_leave_room_for_what_the_keys_do() -> None:
+@pytest.mark.parametrize("glyphs", [UNICODE, ASCII])
+async def test_many_offers_leave_room_for_what_the_keys_do(glyphs: Glyphs) -> None:
     whole = guide()
     long = [f"a rather long colour {number}" for number in range(9)]
     slots = {"colour": SlotView(long), "shape": SlotView()}
-    async with piloted_console(replace(whole, settings=replace(whole.settings, slots=slots))) as it:
-        assert rows(it)[1].endswith("… asked for before it is said")
+    full = replace(whole, settings=replace(whole.settings, slots=slots))
+    async with piloted_console(full, look=Appearance(glyphs)) as it:
+        assert rows(it)[1].endswith(f"{glyphs.ellipsis} asked for before it is said")
         await it.press("space")
-        assert rows(it)[1].endswith("… enter says it")
+        assert rows(it)[1].endswith(f"{glyphs.ellipsis} enter says it")
         await it.press("ctrl+q", "c", "b", "1")
-        assert rows(it)[1] == " type what stands here enter says it · ctrl+q closes"
+        hint = glyphs.plain(" type what stands here enter says it · ctrl+q closes")
+        assert rows(it)[1] == hint
 
 
 @pytest.mark.parametrize("size", [(80, 24), (60, 20), (160, 50)])

@@ -143,8 +143,9 @@ class SlotDialog(Dialog):
             if last
             else say("slots.goes_on", "enter goes on · ctrl+q closes")
         )
-        keys = with_hint(row, self.glyphs.plain(hint), width, self.glyphs.ellipsis)
-        self.update("offers", content([keys]))
+        keys = with_hint(row, hint, width, self.glyphs.ellipsis)
+        shown = tuple((self.glyphs.plain(text), look) for text, look in keys)
+        self.update("offers", content([shown]))
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """The field grows with what is typed."""

@@ -6,6 +6,7 @@ import asyncio
 import fcntl
 import io
 import os
+import re
 import shutil
 import struct
 import subprocess
@@ -23,7 +24,7 @@ import pytest
 
 from tests.console import scenes
 from tests.console.dialogs import entry
-from tests.console.piloting import piloted_console
+from tests.console.piloting import ConsolePilot, piloted_console
 from tests.features.phases.test_phases_on_screen import at
 from tests.host.rig import Peer, ServedSession, served_session
 from woz_tui.client import WozClient, WozRefusedError, connect
@@ -392,6 +393,26 @@ async def test_enter_does_not_say_a_text_that_came_just_before_it(size: tuple[in
         asked = pilot.feed.last(AskVerb)
         assert isinstance(asked, AskVerb)
         assert asked.args["text"] == "Hello. What was I to say?"
+
+
+def boxed(pilot: ConsolePilot) -> str:
+    """What stands in the dialog."""
+    return " ".join("".join(re.findall(r"│(.*)│", pilot.drawn())).split())
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+async def test_a_text_that_the_field_is_too_short_for_is_read_below(size: tuple[int, int]) -> None:
+    long = "This whale was found on the beach by two fishermen, and sold to a museum at once."
+    async with piloted_console(size=size) as pilot:
+        await pilot.press("f10")
+        await at(pilot, listens(), 5000)
+        await at(pilot, Dictated(dictation=1, text="Hello."), 5001)
+        assert boxed(pilot).count("Hello.") == 1
+        await at(pilot, Dictated(dictation=2, text=f"{long} {long}"), 5002)
+        assert f"Hello. {long} {long}" in boxed(pilot)
+        await pilot.press("ctrl+q", "f10")
+        await pilot.pass_time(0.1)
+        assert f"Hello. {long} {long}" in boxed(pilot), "it is the draft now"
 
 
 async def test_a_refusal_stands_in_the_field() -> None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from rich.cells import cell_len
 from textual.widget import Widget
 from textual.widgets import Static
 
 from woz_tui.config.screen_language import say
 from woz_tui.console.drawing.cells import Row
-from woz_tui.console.screens.dialog import content, refusal_text
+from woz_tui.console.screens.dialog import content, plain, refusal_text
 from woz_tui.console.screens.say import SayDialog
 from woz_tui.features.dictation.console import is_attached
 from woz_tui.features.dictation.history import DictationHistory
@@ -41,6 +42,7 @@ class DictationDialog(SayDialog):
         self._came_us: int | None = None
         self._refused = ""
         self._shown: Row = ()
+        self._whole = ""
 
     @property
     def draft(self) -> str:
@@ -48,8 +50,11 @@ class DictationDialog(SayDialog):
         return SayDialog.__name__
 
     def below(self) -> Iterable[Widget]:
-        """Whether anybody listens comes first."""
+        """Whether anybody listens comes first, then the text, where the field is too short."""
         yield Static("", id="listens", classes="caption")
+        whole = Static("", id="whole", classes="caption")
+        whole.display = False
+        yield whole
         yield from super().below()
 
     def on_mount(self) -> None:
@@ -65,6 +70,20 @@ class DictationDialog(SayDialog):
     def closing(self) -> None:
         super().closing()
         self.requests.ask(AskDictation(on=False))
+
+    def changed(self, typed: str) -> None:
+        super().changed(typed)
+        self._show_whole()
+
+    def _show_whole(self) -> None:
+        """All of a text that the field is too short for: nobody says what she cannot read."""
+        value = self.entry.value
+        text = value if cell_len(value) >= self.entry.content_size.width > 0 else ""
+        if text != self._whole:
+            self._whole = text
+            for whole in self.query("#whole").results(Static):
+                whole.display = bool(text)
+                whole.update(plain(text))
 
     def accept(self, typed: str) -> None:
         """Unless a text came just before enter was pressed."""
@@ -88,6 +107,7 @@ class DictationDialog(SayDialog):
             self._said_us = now
             self.requests.ask(AskDictation(on=True, again=self._opened), self._answered)
         self._take()
+        self._show_whole()
         if (row := self._listens()) != self._shown:
             self._shown = row
             self.update("listens", content([row]))

@@ -284,6 +284,7 @@ async def test_its_key_opens_the_field_and_enter_says_what_came_into_it() -> Non
         assert "listens: what you say comes here" in pilot.drawn()
         await at(pilot, Dictated(dictation=1, text="It is a wale"), 5001)
         assert entry(pilot).value == "It is a wale"
+        assert "look at it" not in pilot.drawn(), "she does"
         await pilot.press("backspace", "backspace", "backspace", "backspace")
         await pilot.type("whale.")
         await at(pilot, Dictated(dictation=2, text="And {big}."), 5002)

@@ -37,9 +37,10 @@ class DictatedTexts(FeatureNotes):
             case DictationListens():
                 self._unsaid = dict([*self._unsaid.items()][-1:])
             case Dictated(dictation=dictation, text=text):
-                if not self.listens:
-                    self._unsaid.clear()
-                self._unsaid[dictation] = text
+                if self.listens:
+                    self._unsaid[dictation] = text
+                    return None  # it comes into the field that is open
+                self._unsaid = {dictation: text}
                 dictated = say("dictation.dictated", "Dictated: {text}", text=text)
                 look = say("dictation.look", "look at it")
                 return StudyNews(dictated, "good", command=(KEY, look))

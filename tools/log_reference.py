@@ -142,7 +142,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "lit": ("", "buttons whose light is on"),
     "locked": ("", "whether it is locked now"),
     "log": ("", "the beginning that the names of all files of this session share"),
-    "first_us": ("µs", "from the beginning of the speech to the first text so far; null: none"),
+    "first_us": ("µs", "to the first text, from when speech or request began; null, -1: none"),
     "language": ("", "in which it was understood, where the program says so"),
     "lost_us": ("µs", "what was dropped, so as not to be heard late"),
     "loudest": ("", "RMS of the loudest part, 0 to 1 of full scale; null: not measured"),

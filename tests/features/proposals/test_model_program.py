@@ -33,10 +33,10 @@ pytestmark = pytest.mark.real_clock
 
 @asynccontextmanager
 async def asking(
-    tmp_path: Path, limit: float = 2.5
+    tmp_path: Path, limit: float = 2.5, after: float = 0.0
 ) -> AsyncIterator[tuple[ServedSession, ChatServer]]:
     """A session beside which `woz suggest` asks a model that is warm."""
-    async with starting(tmp_path, limit) as (host, server):
+    async with starting(tmp_path, limit, after=after) as (host, server):
         await host.until(lambda: "ready" in states(host))
         server.asked.clear()
         server.keys.clear()
@@ -45,7 +45,7 @@ async def asking(
 
 @asynccontextmanager
 async def starting(
-    tmp_path: Path, limit: float = 2.5, fault: str = ""
+    tmp_path: Path, limit: float = 2.5, fault: str = "", after: float = 0.0
 ) -> AsyncIterator[tuple[ServedSession, ChatServer]]:
     """A session beside which `woz suggest` begins; `fault`: of the server then."""
     async with chat_server() as server:
@@ -54,7 +54,7 @@ async def starting(
         made = with_section(
             experiment(tmp_path),
             PROPOSALS,
-            Proposals(SuggestKeysOfFile(model=model, after=0.0)),
+            Proposals(SuggestKeysOfFile(model=model, after=after)),
         )
         async with (
             served_session(tmp_path, made=made) as host,
@@ -109,6 +109,21 @@ async def test_what_the_model_writes_is_offered_and_in_the_log(tmp_path: Path) -
         assert host.driver().calls == []
 
 
+async def test_an_answer_that_waits_for_its_time_is_in_the_log_whatever_becomes_of_it(
+    tmp_path: Path,
+) -> None:
+    async with asking(tmp_path, after=100.0) as (host, server):
+        say(host, "What is this?")
+        await host.until(lambda: asked(host))
+        say(host, "Really?", 2)
+        await host.until(lambda: len(asked(host)) == 2)
+        assert [(line.cue, line.answer) for line in asked(host)] == [
+            ("ear/1", server.text),
+            ("ear/2", server.text),
+        ]
+        assert host.of(SuggestOffered) == []
+
+
 async def test_the_robots_own_voice_asks_nothing(tmp_path: Path) -> None:
     async with asking(tmp_path) as (host, server):
         say(host, "It is a whale.", own=True)
@@ -143,7 +158,7 @@ async def test_a_server_that_fails_delays_nothing_and_is_told_once(
             say(host, "Hm?", segment)
             await host.until(lambda: len(asked(host)) > segment)  # noqa: B023
         if fault == "no done":  # it ends all the same
-            assert host.of(SuggestOffered)
+            await host.until(lambda: host.of(SuggestOffered))
             return
         assert host.of(SuggestOffered) == []
         assert all(line.error for line in asked(host))

@@ -213,12 +213,11 @@ class ModelProgram:
             self._begin_warm_up(model)
         elif gives_up:
             self._begin_warm_up(model, why)
-        if texts:
-            await asyncio.sleep(max(0.0, self._after - (time.monotonic() - began)))
         told = self._told(model, cue, request, answer, error, given_up=gives_up)
         try:
             await self._client.request(told)
             if texts:
+                await asyncio.sleep(max(0.0, self._after - (time.monotonic() - began)))
                 await self._client.request(AskPropose(texts=texts, source="model", cue=cue))
                 if self._state[0] == "dropped":
                     await self._tell("ready", model=answer.model, first_us=answer.first_us)

@@ -329,6 +329,16 @@ def test_the_rest_of_such_a_text_is_stale_however_short(rig: Rig) -> None:
     assert not rig.line.arrived(["a"])
 
 
+def test_behind_such_a_text_a_held_key_counts_again_without_being_let_go(rig: Rig) -> None:
+    assert rig.line.arrived(list("hello wor"))
+    stale = []
+    for _ in range(20):
+        rig.wait(0.033)
+        stale.append(rig.line.arrived(["up"]))
+    assert stale[0]
+    assert not any(stale[10:])
+
+
 @pytest.mark.parametrize("asleep", [False, True])
 def test_keys_that_came_while_process_or_computer_stood_still_are_stale(
     rig: Rig, asleep: bool

@@ -11,7 +11,8 @@ that was under way for long itself makes nothing fresh. A key is stale if it may
 `stale_after`; and, whatever the line says, if eight keys or more came in one read: text pasted
 into a terminal without paste marks.
 
-What follows such a text without a pause of 0.3 s is the rest of it, however few keys it has.
+What follows such a read within 0.3 s is the rest of it, however few keys it has; not what is typed
+on and on behind it, or a key that is held.
 
 A terminal that has never answered says nothing of the kind. Then a key is stale if this process
 itself stood still for longer (stopped, or the computer slept) while keys came, and so are those
@@ -48,7 +49,7 @@ PUT_OFF_S = 0.25
 #: A question unanswered for so long: the line is dead, and driving stops. With the time until the
 #: next question is due, and a beat, driving ends within three seconds.
 DEAD_S = 2.0
-#: A pause that ends a burst of stale keys.
+#: A pause that ends a burst of stale keys; the rest of a text comes within this time.
 PAUSE_S = 0.3
 #: Keys in one read that nobody typed: after a silence, and at any time.
 BURST, PASTED = 3, 8
@@ -107,7 +108,9 @@ class TerminalMonitor:
             self._due_us += round(self._every_s * 1_000_000)
         self._keys_us = self._awake_us = asked.boot_us
         self._gap_us = 0
-        self._burst = self._untyped = self._pasted = False
+        self._burst = self._untyped = False
+        #: When text that nobody typed came last.
+        self._text_us: int | None = None
         self._away = False
         self._publish()
 
@@ -234,9 +237,10 @@ class TerminalMonitor:
         known = self._answers and not self._multiplexed
         self._untyped = _untyped(chords, not known and silence_us > self._stale_us)
         if chords:
-            text = len(chords) >= PASTED and len(set(chords)) > 1
-            self._pasted = text or (self._pasted and silence_us < PAUSE_S * 1_000_000)
-            self._untyped = self._untyped or self._pasted
+            if len(chords) >= PASTED and len(set(chords)) > 1:
+                self._text_us = boot
+            elif self._text_us is not None and boot - self._text_us < PAUSE_S * 1_000_000:
+                self._untyped = True
             self._keys_us = boot
         self._judge(self._clock.now_us())
         return self.stale

@@ -104,6 +104,22 @@ def test_what_microphones_cameras_and_faces_keep(tmp_path: Path) -> None:
     ]
 
 
+def test_a_pepper_is_another_computer_unless_it_is_simulated(tmp_path: Path) -> None:
+    head = (
+        "robot: {drivers: {pepper: {type: pepper, robots: [%s], recognition: {phrases: [yes]}}}}\n"
+    )
+    lines = told(tmp_path, head % "simulated, 192.168.1.30, 'tcps://nao@192.168.1.31'")
+    assert lines["leaves"] == [
+        "pepper: between this computer and 192.168.1.30, tcps://nao@192.168.1.31: what it says and"
+        " senses"
+    ]
+    heard = "pepper: which phrases of a list people say, as the robot understands them, in the log"
+    assert heard in lines["kept"]
+    lines = told(tmp_path, head % "simulated")
+    assert lines["leaves"] == ["nothing of which this file tells"]
+    assert heard not in lines["kept"]
+
+
 def test_what_is_known_of_participants_and_who_may_join(tmp_path: Path) -> None:
     head = (
         "robot: {drivers: {nao: {type: furhat, address: 192.168.1.20}}}\n"

@@ -25,6 +25,7 @@ from woz_tui.drivers.argument_values import text
 from woz_tui.drivers.background import Background, BackgroundTasks
 from woz_tui.drivers.confirmed_stop import confirmed_within, succeeded
 from woz_tui.drivers.contract import (
+    KEPT,
     Argument,
     DeviceLostError,
     DriverContext,
@@ -104,6 +105,14 @@ class NaoqiRobot(RobotOfParts[RobotConnection, NaoqiSettings]):
         self._stopped = self._waits = False
         self._living: asyncio.Task[None] | None = None
         self._later = Background("applying the settings", context)
+
+    @classmethod
+    def people_data(cls, settings: NaoqiSettings) -> Iterable[tuple[str, str]]:
+        if settings.recognition.phrases:
+            yield (
+                KEPT,
+                "which phrases of a list people say, as the robot understands them, in the log",
+            )
 
     @classmethod
     def offer(cls, settings: NaoqiSettings) -> Offer:

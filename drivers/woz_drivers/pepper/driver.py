@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import ClassVar
 
 from woz_drivers.naoqi_robot import text_remarks
+from woz_drivers.naoqi_robot.address import parse, without_password
 from woz_drivers.naoqi_robot.animations import AnimationsPart
 from woz_drivers.naoqi_robot.autonomy import AutonomyPart
 from woz_drivers.naoqi_robot.base import BasePart
@@ -19,6 +21,7 @@ from woz_drivers.naoqi_robot.parts import NaoqiPart
 from woz_drivers.naoqi_robot.recognition import RecognitionPart
 from woz_drivers.naoqi_robot.senses import SensesPart
 from woz_drivers.naoqi_robot.service_call import ServiceCallPart
+from woz_drivers.naoqi_robot.settings import NaoqiSettings
 from woz_drivers.naoqi_robot.sounds import SoundsPart
 from woz_drivers.naoqi_robot.talk import TalkPart
 from woz_drivers.naoqi_robot.tracking import TrackingPart
@@ -27,7 +30,7 @@ from woz_drivers.pepper import doctor, tablet_page
 from woz_drivers.pepper.hip import HipPart
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet import TabletPart
-from woz_tui.drivers.contract import DriverFacts, Finding, Probe
+from woz_tui.drivers.contract import LEAVES, DriverFacts, Finding, Probe
 
 
 class Pepper(NaoqiRobot):
@@ -61,6 +64,14 @@ class Pepper(NaoqiRobot):
         *(MicrophonesPart, TalkPart, ServiceCallPart),
     )
     CHECKS = text_remarks.CHECKS | {"screen": {"file": tablet_page.written_screen}}
+
+    @classmethod
+    def people_data(cls, settings: NaoqiSettings) -> Iterable[tuple[str, str]]:
+        robots = [robot for robot in settings.addresses.values() if not parse(robot).simulated]
+        if robots:
+            shown = ", ".join(map(without_password, robots))
+            yield LEAVES, f"between this computer and {shown}: what it says and senses"
+            yield from super().people_data(settings)
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

@@ -12,9 +12,17 @@ from tests.session.rig import ScriptedDriver, SessionRig, action, call, experime
 from woz_tui.config import utterance_template
 from woz_tui.config.file_position import FilePosition, Problem
 from woz_tui.config.screen_language import use, word
-from woz_tui.drivers.contract import DeviceLostError, Finding, Job, Offer, Scope
+from woz_tui.drivers.contract import (
+    DeviceLostError,
+    Finding,
+    Job,
+    Offer,
+    RejectedError,
+    Scope,
+)
 from woz_tui.gate.questions import RequestOrigin
 from woz_tui.protocol import messages as m
+from woz_tui.protocol.messages import Json
 from woz_tui.protocol.refusal import RequestError
 from woz_tui.session.action_texts import utterances
 from woz_tui.session.participant_identity import SessionIdentity, check_participant
@@ -116,6 +124,34 @@ def test_refusals_are_said_and_logged(
     rig = on_stage(tmp_path, scenario, identity=SessionIdentity())
     assert rig.kinds(m.ActionRequested, m.ActionEnd) == ["ActionRequested", "ActionRefused"]
     assert not [call for call in rig.driver().calls if call[0] == "say"]
+
+
+class LimpDriver(ScriptedDriver):
+    """Speaks; its motors are off, which it finds out when it shall move."""
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        if job.verb == "play":
+            raise RejectedError("the motors are off", "switch them on")
+        return await super().perform(job)
+
+
+def test_an_action_of_which_a_part_was_said_has_failed_and_was_not_refused(tmp_path: Path) -> None:
+    async def scenario(rig: SessionRig) -> None:
+        rig.session.play("Welcome", KEY)  # says something and nods
+        await asyncio.sleep(2)
+        rig.session.play("Nod", KEY)
+
+    made = experiment(tmp_path)
+    nod = action("Nod", together(call("play", move="nod")))
+    panel = replace(made.panels[0], actions=(*made.panels[0].actions, nod))
+    made = replace(made, panels=(panel, *made.panels[1:]))
+    rig = SessionRig(tmp_path, catalogue={"puppet": LimpDriver}, made=made).run(scenario, 5)
+    assert ("say", {"text": "Welcome"}) in rig.driver().calls
+    ends = [(end.action, type(end).__name__, end.reason) for end in rig.of(m.ActionEnd)]
+    assert ends == [
+        ("Welcome", "ActionFailed", "robot: the motors are off"),
+        ("Nod", "ActionRefused", "robot: the motors are off"),
+    ]
 
 
 def test_the_stop_ends_runs_in_a_command_and_runs_in_a_pause(tmp_path: Path) -> None:

@@ -72,8 +72,8 @@ class ActionRun:
     """One action being played; `pending` are the commands of the present step, of `together`
     in all, and `arriving` those whose motion it waits for. `left`: how it ends after this step,
     unless something of the step goes wrong. `refused`: the command because of which it never began.
-    `evidence`: of what was done so far. `again` is asked when it begins after it has waited, and
-    `forbidden` is what that said.
+    `tried`: a command of it ended otherwise than refused. `evidence`: of what was done so far.
+    `again` is asked when it begins after it has waited, and `forbidden` is what that said.
     """
 
     id: str
@@ -90,6 +90,7 @@ class ActionRun:
     left: m.ActionEnd | None = None
     ended: m.ActionEnd | None = None
     refused: m.Refused | None = None
+    tried: bool = False
     evidence: set[str] = field(default_factory=set)
     again: WhyNot | None = None
     forbidden: Refusal | None = None
@@ -475,6 +476,7 @@ class ActionRunner:
     def _ended(self, run: ActionRun, verb: str, end: m.End) -> None:
         if run.problem is None:
             run.problem = self._problem(run, verb, end)
+        run.tried = run.tried or not isinstance(end, m.Refused)
         if end.command not in run.arriving or not isinstance(end, m.Done):
             if isinstance(end, m.Done):
                 run.evidence.add(end.evidence)
@@ -506,6 +508,11 @@ class ActionRunner:
         if run.pending or run.id not in self._runs:
             return
         over = run.problem or run.left
+        if isinstance(over, m.ActionRefused) and run.tried:
+            # What went out together with the refused command was heard or seen.
+            over = m.ActionFailed(
+                run=over.run, action=over.action, reason=over.reason, tells=over.tells
+            )
         if over is not None:
             self._finish(run, over)
         else:

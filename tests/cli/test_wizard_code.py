@@ -9,6 +9,7 @@ import pytest
 
 from woz_tui.cli import main
 from woz_tui.cli.wizard_code import remembered_wizard, wizard_code
+from woz_tui.config.screen_language import use
 from woz_tui.system.user_folders import WIZARD, state_folder
 
 
@@ -63,6 +64,30 @@ def test_a_name_is_neither_taken_nor_remembered(
     assert wizard_code("", typing(name)) == ""
     assert remembered_wizard() is None
     assert "code" in capsys.readouterr().out
+
+
+def test_who_plays_is_asked_in_the_language_of_the_screen(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    asked = list[str]()
+    lines = iter(["Anna B", "Anna", "W1"])
+
+    def answer(question: str) -> str:
+        asked.append(question)
+        return next(lines)
+
+    use("de")
+    try:
+        assert wizard_code("", answer) == "W1"
+    finally:
+        use("en")
+    assert asked[0] == "Ihr Code als Versuchsleitung, etwa W1, nicht Ihr Name (enter: kein Code): "
+    said = capsys.readouterr().out.splitlines()
+    assert [line.strip() for line in said] == [
+        "'Anna B' ist kein gültiger Code: 1 bis 16 Buchstaben (a bis z) und Ziffern",
+        "Ein Code hat eine Ziffer, etwa W1; ein Name gehört nicht in ein Protokoll.",
+        "Auf diesem Rechner gemerkt; jemand anders gibt den eigenen mit --wizard an.",
+    ]
 
 
 def test_what_cannot_be_a_code_is_not_remembered_but_left_to_be_refused() -> None:

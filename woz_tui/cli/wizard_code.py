@@ -5,10 +5,9 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable
 
+from woz_tui.config.screen_language import say
 from woz_tui.log.file_names import check_code
 from woz_tui.system.user_folders import WIZARD, state_folder
-
-_QUESTION = "Your code as the wizard, such as W1, not your name (enter: no code): "
 
 
 def wizard_code(given: str, ask: Callable[[str], str] = input) -> str:
@@ -51,14 +50,31 @@ def remembered_wizard() -> str | None:
 
 def _ask(ask: Callable[[str], str]) -> str:
     """A code with a digit, or none: what has no digit is probably a name."""
-    while typed := ask(_QUESTION).strip():
+    question = say(
+        "wizard_code.question",
+        "Your code as the wizard, such as W1, not your name (enter: no code):",
+    )
+    while typed := ask(f"{question} ").strip():
         try:
             code = _is_code(typed)
-        except ValueError as error:
-            print(f"  {error}")
+        except ValueError:
+            no_code = say(
+                "wizard_code.no_code",
+                "{typed!r} is not a valid code: use 1 to 16 letters (a to z) and digits",
+                typed=typed,
+            )
+            print(f"  {no_code}")
             continue
         if code:
-            print("  Remembered on this computer; another wizard gives theirs with --wizard.")
+            remembered = say(
+                "wizard_code.remembered",
+                "Remembered on this computer; another wizard gives theirs with --wizard.",
+            )
+            print(f"  {remembered}")
             return typed
-        print("  A code has a digit, such as W1; a name does not belong in a log.")
+        no_digit = say(
+            "wizard_code.no_digit",
+            "A code has a digit, such as W1; a name does not belong in a log.",
+        )
+        print(f"  {no_digit}")
     return ""

@@ -27,6 +27,15 @@ def test_the_end_names_the_log_what_to_do_with_it_and_what_the_robot_process_sai
     assert farewell(ENDED, "attach", asked) == told
 
 
+def test_the_end_says_where_the_sentences_are_that_were_typed(tmp_path: Path) -> None:
+    log = tmp_path / "t_P07_S01.jsonl"
+    log.touch()
+    closed = ClosedConsole("ended", 0, typed_copy="/study/talk-typed.yaml")
+    assert farewell(closed, "attach", log)[-1] == "Typed sentences: /study/talk-typed.yaml"
+    told = farewell(closed, "attach", None)  # on another computer, as the log
+    assert told == []
+
+
 def test_who_leaves_it_running_reads_how_to_come_back_and_when_it_ends(tmp_path: Path) -> None:
     log = tmp_path / "t_P07_S01.jsonl"
     log.touch()

@@ -86,6 +86,7 @@ async def test_the_end_writes_the_copy_that_was_chosen_and_ends() -> None:
         await pilot.press("down", "down", "enter")
         await pilot.until(lambda: pilot.feed.last(r.AskEnd) is not None)
         assert writes(pilot) == [True]
+        assert pilot.console.requests.typed_copy == "/study/talk-typed.yaml"
 
 
 async def test_nothing_typed_is_no_question() -> None:

@@ -90,13 +90,15 @@ def load_modules() -> None:
 @dataclass(frozen=True, slots=True)
 class ClosedConsole:
     """How a console was left (see `run_console`), its exit code, and what it knew of the session:
-    its log, and for how many seconds it goes on without a console (0: unknown).
+    its log, for how many seconds it goes on without a console (0: unknown), and the copy of the
+    experiment file that has what was typed (empty: there is none).
     """
 
     left: str
     code: int
     log: str = ""
     abandon_after: float = 0.0
+    typed_copy: str = ""
 
 
 def open_console(options: ScreenOptions) -> ClosedConsole:
@@ -107,7 +109,8 @@ def open_console(options: ScreenOptions) -> ClosedConsole:
 def close_console(app: Console) -> ClosedConsole:
     """The same with a console that is ready to run."""
     left, code = run_console(app)
-    return ClosedConsole(left, code, app.state.log, app.state.settings.abandon_after)
+    copy = app.requests.typed_copy
+    return ClosedConsole(left, code, app.state.log, app.state.settings.abandon_after, copy)
 
 
 def woz() -> str:
@@ -151,6 +154,8 @@ def farewell(closed: ClosedConsole, again: str, log: Path | None) -> list[str]:
             say("leave.figures", "Its figures: {woz} report {log}", woz=woz(), log=name),
             say("leave.see_again", "See it again: {woz} replay {log}", woz=woz(), log=name),
         ]
+        if closed.typed_copy:
+            lines.append(say("leave.typed", "Typed sentences: {file}", file=closed.typed_copy))
     if said.is_file() and said.stat().st_size:
         lines.append(
             say("leave.errors", "Errors of drivers and of the robot process: {file}", file=said)

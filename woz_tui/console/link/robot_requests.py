@@ -61,6 +61,8 @@ class RobotRequests:
         self.ending = False
         #: Whether the wizard was ending it when something was asked here first.
         self.leaving = False
+        #: Where the sentences are that the end wrote into a copy of the experiment file.
+        self.typed_copy = ""
         self.drafts: dict[str, str] = {}
         self.history: list[str] = []
         self.moved: list[str] = []

@@ -242,6 +242,8 @@ class LeaveDialog(ChoiceDialog):
             )
             self.console_app.news(wrong, "warn")
             return
+        data = reply.data if isinstance(reply.data, dict) else {}
+        self.requests.typed_copy = str(data.get("file", ""))
         self.requests.end_session()
 
 

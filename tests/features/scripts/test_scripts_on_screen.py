@@ -21,6 +21,7 @@ from woz_tui.console.state.console_state import ConsoleState
 from woz_tui.features.scripts.console import script_row, script_rows
 from woz_tui.features.scripts.kinds import AskScript, ScriptMoved
 from woz_tui.features.scripts.shown_script import shown_script
+from woz_tui.protocol import messages as m
 
 NOW = scenes.NOW
 
@@ -66,6 +67,17 @@ def test_the_scripts_line_leaves_out_what_was_played_by_its_key() -> None:
     shown = text([script_row(picture, PaintFrame(80, 1, NOW), ("Space", ""))])
     assert "▸ Hello  → Roman glass  → Goodbye" in shown
     assert shown.rstrip().endswith("3/6")
+
+
+def test_the_scripts_line_promises_no_key_while_the_stop_is_pressed() -> None:
+    halted = ScriptMoved(position=1, played=[0], halted="refused", t=NOW)
+    stop = m.StopPressed(source="key", t=NOW)
+    frame, keys = PaintFrame(80, 1, NOW), ("Space", ">")
+    stopped = text([script_row(console_state(halted, stop), frame, keys)])
+    assert "refused" in stopped
+    assert "Space plays it" not in stopped
+    released = console_state(halted, stop, m.StopReleased(source="key", t=NOW))
+    assert "refused: Space plays it, > goes on" in text([script_row(released, frame, keys)])
 
 
 @pytest.mark.parametrize("size", [(80, 24), (160, 50)])

@@ -83,17 +83,18 @@ def script_row(state: ConsoleState, frame: PaintFrame, caps: Sequence[str]) -> R
         body = ((f"{glyphs.here} {clean(state.label(script.next))}", "strong"),)
         if script.halted:
             why = word(_HALTED.get(script.halted, script.halted))
-            stands = (
-                say(
+            if state.session.stop is not None:
+                stands = why  # no key plays it before the stop is released, which its row says
+            elif skip:
+                stands = say(
                     "scripts.stands_skip",
                     "{why}: {key} plays it, {skip} goes on",
                     why=why,
                     key=key,
                     skip=skip,
                 )
-                if skip
-                else say("scripts.stands", "{why}: {key} plays it", why=why, key=key)
-            )
+            else:
+                stands = say("scripts.stands", "{why}: {key} plays it", why=why, key=key)
             body += ((f" {glyphs.warning} {stands} ", "warn"),)
         for name in (script.lines[at] for at in behind[:AHEAD]):
             body += ((f"  {glyphs.next} {clean(state.label(name))}", "muted"),)

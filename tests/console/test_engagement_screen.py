@@ -267,7 +267,7 @@ async def test_a_stale_key_of_the_hand_does_nothing() -> None:
         assert pilot.console.keyboard.arrive("p", stale=True)
         await pilot.settle()
         assert verbs(pilot) == []
-        assert "Not played: p" in pilot.text("StopBar")
+        assert "p ignored: it came too late" in pilot.text("StopBar")
 
 
 ASKED: dict[str, tuple[str, dict[str, m.Json]]] = {

@@ -569,12 +569,18 @@ class Console(ScreenApp):
             self.paint()
 
     def _stale(self, chord: str, name: str, ref: int) -> None:
-        what = self.state.label(name) or key_name(chord, self.look.glyphs)
-        late = say(
-            "app.late",
-            "Not played: {what}. It came too late, or with many keys at once",
-            what=what,
-        )
+        if what := self.state.label(name):
+            late = say(
+                "app.late",
+                "Not played: {what}. It came too late, or with many keys at once",
+                what=what,
+            )
+        else:  # such as enter, at the end of a note
+            late = say(
+                "app.late_key",
+                "{key} ignored: it came too late, or with many keys at once",
+                key=key_name(chord, self.look.glyphs),
+            )
         self.news(late, "warn")
 
     def _held(self, chord: str, name: str, ref: int) -> None:

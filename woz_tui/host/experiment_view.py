@@ -101,6 +101,20 @@ def driver_outlines(shown: ExperimentView) -> dict[str, Json]:
     return {spec.name: {**spec.offer.outline} for spec in drivers if spec.offer.outline}
 
 
+def driver_moves(shown: ExperimentView) -> dict[str, list[str]]:
+    """All moves that a driver plays, by driver, as far as their classes tell; those of a whole
+    robot are in its outline.
+    """
+    return {
+        spec.name: [*argument.choices]
+        for spec in shown.experiment.drivers
+        if "moves" not in spec.offer.outline
+        for verb in spec.offer.verbs
+        for argument in verb.arguments
+        if (verb.name, argument.name) == ("play", "move") and argument.choices
+    }
+
+
 @dataclass(frozen=True, slots=True)
 class ExperimentView:
     """An experiment, and how it stands in a session: locks by panel's title, what holds of features
@@ -152,6 +166,7 @@ def plan_of(shown: ExperimentView) -> m.SessionPlan:
             participant_pattern=experiment.participant_pattern,
             joints=joint_limits(shown),
             outlines=driver_outlines(shown),
+            moves=driver_moves(shown),
             values=dict(shown.values),
             steps=asdict(experiment.steps),
             lanes={

@@ -441,13 +441,15 @@ class Welcome(Answer, frozen=True, kw_only=True, tag="welcome"):
     this console drive while they are `held`, or as far as one press says, `pressed`),
     `participant_pattern`, and `joints`: joint -> [lowest, highest angle] in degrees, for those
     whose driver tells them, `outlines`: driver -> what it looks like (see
-    `docs/reference/protocol.md`), `values`: variable -> its value at this moment, `steps`: how far
-    one press of an arrow goes (`head`, `hip`, `turn` in degrees, `drive` in m), `lanes`: driver ->
-    verb -> the lane in which it is queued, `repairs`: moves that save a dialogue, actions of their
-    own, `profiles`: their names, `profile`: the one in use, or nothing, and `allows`: profile ->
-    what it names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not
-    shown; `engagement`, in a session with that model: its `timeouts` (seconds, or null), the
-    seconds of a whole `handshake` and how many `attempts` it has; `phases`: those of the file;
+    `docs/reference/protocol.md`), `moves`: driver -> all names that its verb `play` takes, where
+    its class tells them and its outline does not, `values`: variable -> its value at this moment,
+    `steps`: how far one press of an arrow goes (`head`, `hip`, `turn` in degrees, `drive` in m),
+    `lanes`: driver -> verb -> the lane in which it is queued, `repairs`: moves that save a
+    dialogue, actions of their own, `profiles`: their names, `profile`: the one in use, or nothing,
+    and `allows`: profile -> what it names (`panels`, `actions`, `controls`, `verbs`), and `hide`
+    where the rest is not shown; `engagement`, in a session with that model: its `timeouts`
+    (seconds, or null), the seconds of a whole `handshake` and how many `attempts` it has; `phases`:
+    those of the file;
     `study`: what the file says of the study, and how it stands (see `docs/reference/protocol.md`).
     `boot_id`: of the robot process's machine; a client with the same one may stamp its requests
     with `sent_us`. `clock_us`: CLOCK_MONOTONIC of that machine at `t` = 0, in microseconds. `part`:

@@ -326,6 +326,7 @@ class WelcomeSettings(msgspec.Struct, frozen=True, kw_only=True):
     participant_pattern: str = ""
     joints: dict[str, tuple[float, float]] = {}
     outlines: dict[str, Json] = {}
+    moves: dict[str, list[str]] = {}
     values: dict[str, str] = {}
     steps: dict[str, float] = {}
     lanes: dict[str, dict[str, str]] = {}

@@ -126,6 +126,15 @@ async def test_a_robot_that_lists_no_moves_is_asked_for_a_name_without_a_path() 
         assert requested_moves(pilot) == [("nod", "head", "%")]
 
 
+async def test_a_robot_without_a_picture_of_itself_lists_its_moves_too() -> None:
+    async with typing(scenes.welcome(settings={"moves": {"head": ["nod", "shake"]}})) as pilot:
+        await type_in(pilot, "sh")
+        assert "▸ shake" in pilot.drawn()
+        assert "does not list its moves" not in pilot.drawn()
+        await pilot.press("enter")
+        assert requested_moves(pilot) == [("shake", "head", "%")]
+
+
 async def test_where_nobody_plays_animations_there_is_nothing_to_type() -> None:
     first = msgspec.structs.replace(pepper.welcome(), verbs={"pepper": ["say"]})
     async with typing(first) as pilot:

@@ -20,9 +20,9 @@ MATCHES = 8
 
 
 def known_moves(state: ConsoleState, driver: str) -> list[str]:
-    """Names that the driver is known to play; it may play others."""
+    """Names that the driver is known to play; one that tells of a whole robot may play others."""
     outline = state.robot_outlines.get(driver)
-    return outline.moves if outline is not None else []
+    return outline.moves if outline is not None else state.settings.moves.get(driver, [])
 
 
 def open_move(app: ConsoleApp) -> None:

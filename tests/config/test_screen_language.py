@@ -23,6 +23,8 @@ from woz_tui.config.screen_language import (
     word,
     worded,
 )
+from woz_tui.config.yaml_cursor import range_text
+from woz_tui.drivers.fields import Range
 from woz_tui.export.redaction import redacted
 from woz_tui.gate.facts import Facts, console_of
 from woz_tui.gate.questions import PlayAction, RequestOrigin
@@ -305,3 +307,10 @@ def test_a_file_that_is_no_yaml_says_where_to_whoever_asks_for_it(
     assert "line 3" in told
     use("tlh")  # as the experiment's language
     assert say("app.dark", "dark") == "dark"
+
+
+def test_a_range_has_its_unit_in_the_language_in_use() -> None:
+    use("de")
+    assert word(range_text(Range(-30, 40, "degrees"))) == "-30 bis 40 Grad"
+    assert word(range_text(Range(0, 5, "m"))) == "0 bis 5 m"
+    assert range_text(Range(-30, 40, "degrees")) == "-30 to 40 degrees"

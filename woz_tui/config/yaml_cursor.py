@@ -26,6 +26,12 @@ _FLAGS = {
     **dict.fromkeys(("true", "yes", "on"), True),
     **dict.fromkeys(("false", "no", "off"), False),
 }
+#: Units of ranges that are words, behind a number.
+_UNIT_WORDS = {
+    "degrees": Sentence("check.degrees", " degrees"),
+    "degrees/s": Sentence("check.degrees_s", " degrees/s"),
+    "characters": Sentence("check.characters", " characters"),
+}
 #: What may be behind a list or a mapping where a text should be.
 TEXT_WITH_BRACKET = Sentence(
     "check.text_with_bracket", "; if a text begins with a bracket, put the text in quotes"
@@ -285,7 +291,8 @@ def read_seconds(cursor: Cursor, allowed: Range) -> float | None:
 
 def range_text(allowed: Range) -> str:
     """`0 to 5 m`."""
-    low, high, unit = allowed.low, allowed.high, f" {allowed.unit}" if allowed.unit else ""
+    low, high = allowed.low, allowed.high
+    unit = _UNIT_WORDS.get(allowed.unit, f" {allowed.unit}" if allowed.unit else "")
     if low is not None and high is not None:
         return Sentence("check.range", "{low:g} to {high:g}{unit}", low=low, high=high, unit=unit)
     if low is not None:

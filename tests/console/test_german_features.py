@@ -93,6 +93,19 @@ async def test_trials_and_breaks() -> None:
         is_german(pilot, "abgebrochen: er wird wiederholt: Enter tut es · ctrl+q lässt es")
 
 
+async def test_the_trial_that_runs_is_on_a_small_screen_inside_tmux() -> None:
+    """German words are longer: the title gives way to it."""
+    first = study_scene.welcome(study_scene.trial())
+    async with piloted_console(first, size=SMALL) as pilot:
+        await pilot.tell(
+            m.ConsoleAttached(console=first.console, role="wizard", line="tmux", t=scenes.NOW),
+            m.SessionChanged(condition="empathic", t=scenes.NOW),
+        )
+        top = pilot.text("StatusLines").splitlines()[0]
+        assert "über tmux" in top
+        assert "P07 · empathic · Durchgang 3/4 02:41" in top
+
+
 async def test_between_trials() -> None:
     async with piloted_console(study_scene.welcome(), size=SMALL) as pilot:
         await open_dialog(pilot, "TrialDialog")

@@ -40,8 +40,8 @@ WORDY = 100
 PRESENT = 18
 #: Cells between the drivers and what stands at the right.
 GAP = 3
-#: Cells that a long title keeps beside a trial.
-TITLE = 8
+#: Cells that a long title keeps between trials, and beside one that runs.
+TITLE, TITLE_IN_TRIAL = 8, 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +116,8 @@ def _session(state: ConsoleState, frame: PaintFrame, room: int) -> list[Row]:
     spare = room - len(time) - 3 - length(badge)
     if state.study.counts:  # then who and what is worth more than the title
         spare -= sum(cell_len(value) + 3 for value, _ in values[:3])
-        spare = max(spare, 1 if state.role == "watcher" else TITLE)
+        kept = TITLE if state.session.study.trial is None else TITLE_IN_TRIAL
+        spare = max(spare, 1 if state.role == "watcher" else kept)
     cells = min(cell_len(title), max(1, spare))
     named = ((f" {fit(title, cells, glyphs.ellipsis)}  ", "strong"), (time, "plain"))
     parts: list[Row] = [badge, named] if badge else [named]

@@ -31,6 +31,29 @@ def test_an_assistant_only_proposes_in_a_file_that_speaks_of_proposals(
     assert found.proposing == ["mcp"]
 
 
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("suggest: {within: 5 s}", ["suggest"]),
+        ("suggest: {}", ["suggest"]),
+        ("programs: {greeter: propose}", ["program 'greeter'"]),
+        (
+            "programs: {greeter: propose}\nsuggest: {within: 5 s}",
+            ["suggest", "program 'greeter'"],
+        ),
+    ],
+)
+def test_a_reload_names_what_was_written_into_the_file_or_taken_out(
+    tmp_path: Path, text: str, named: list[str]
+) -> None:
+    without = read_experiment(tmp_path, panel(HELLO, head=HEAD))
+    having = read_experiment(tmp_path, panel(HELLO, head=f"{HEAD}{text}\n"))
+    assert [*compare(without, having).changes] == [f"{each} is new" for each in named]
+    gone = [*compare(having, without).changes]
+    assert len(gone) == len(named)
+    assert all(change.startswith(each) for change, each in zip(gone, named, strict=True))
+
+
 def test_rights_are_by_verb(tmp_path: Path) -> None:
     found = read(tmp_path, "programs: {mcp: {play: [emotion]}, greeter: propose, music: play}")
     assert found is not None

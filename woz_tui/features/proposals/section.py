@@ -144,12 +144,19 @@ class ProposalSection(FeatureSection[Proposals | None]):
         return Proposals(suggest, {MCP: ONLY_PROPOSES, **programs})
 
     def changes(self, old: Proposals | None, new: Proposals | None) -> Iterable[str]:
-        if old is None or new is None:
-            return changed_settings("suggest", old, new)
-        return (
-            *changed_settings("suggest", old.suggest, new.suggest),
-            *changed_entries(Sentence("reload.a_program", "program"), old.programs, new.programs),
+        was, now = (each.programs if each is not None else {} for each in (old, new))
+        suggest = changed_settings(
+            "suggest",
+            old.suggest if old is not None else None,
+            new.suggest if new is not None else None,
         )
+        if old is None or new is None:
+            # Only what stands in the file came or went with the section.
+            was, now = ({n: each for n, each in m.items() if n != MCP} for m in (was, now))
+            given = old or new
+            if given is not None and given.suggest == SuggestKeysOfFile() and (was or now):
+                suggest = ()
+        return (*suggest, *changed_entries(Sentence("reload.a_program", "program"), was, now))
 
     def people_data(self, experiment: Experiment) -> Iterable[tuple[str, str]]:
         section = self.of(experiment)

@@ -48,6 +48,16 @@ async def test_each_has_its_key_and_who_proposes_it(size: tuple[int, int]) -> No
         assert before.count("\n") == pilot.drawn().count("\n")
 
 
+async def test_a_sentence_that_goes_on_below_has_its_keys_there() -> None:
+    long = "Shall I tell you about the whale, which is eleven metres long and very old?"
+    async with piloted_console(size=(80, 24)) as pilot:
+        await told(pilot, ON, offered(1, long, approval=True))
+        drawn = pilot.drawn().splitlines()
+        below = 1 + next(at for at, line in enumerate(drawn) if "mcp asks:" in line)
+        assert "very old?”" in drawn[below]
+        assert drawn[below].rstrip().endswith("F9 edit  ^S no")
+
+
 @SIZES
 @pytest.mark.parametrize(
     ("item", "shown"),

@@ -147,6 +147,10 @@ def _place(
     if len(more_rows) > rest:
         first = cut(row, frame.width - length(right), glyphs.ellipsis)
         more_rows = []
+    if more_rows and not right[0][0]:
+        room = frame.width - length(more_rows[-1]) - 1
+        hint = next((more for more in (edit + no, no) if len(more) <= room), "")
+        more_rows[-1] = spread(more_rows[-1], ((hint, "muted"),), frame.width, glyphs.ellipsis)
     return [spread(first, right, frame.width, glyphs.ellipsis), *more_rows]
 
 

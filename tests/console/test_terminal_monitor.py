@@ -339,6 +339,12 @@ def test_behind_such_a_text_a_held_key_counts_again_without_being_let_go(rig: Ri
     assert not any(stale[10:])
 
 
+def test_what_is_pressed_behind_a_text_in_a_dialog_is_the_wizards(rig: Rig) -> None:
+    assert rig.line.arrived(list("hello world"), play=False)
+    assert not rig.line.arrived(["enter"], play=False)
+    assert not rig.line.arrived(["a"])
+
+
 @pytest.mark.parametrize("asleep", [False, True])
 def test_keys_that_came_while_process_or_computer_stood_still_are_stale(
     rig: Rig, asleep: bool

@@ -323,7 +323,8 @@ class WizardDriver(LinuxDriver):
             self._keyboard.stop(source)
         if stops and any(_is_alt(*pair) for pair in pairwise(tokens)):
             self._keyboard.on_alt()
-        self._line.arrived([token.chord for token in tokens if isinstance(token, Key)])
+        chords = [token.chord for token in tokens if isinstance(token, Key)]
+        self._line.arrived(chords, play=self._keyboard.plays)
         for token in self._fewer(tokens) if self._line.untyped else tokens:
             match token:
                 case Key():

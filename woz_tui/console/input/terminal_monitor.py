@@ -12,7 +12,8 @@ that was under way for long itself makes nothing fresh. A key is stale if it may
 into a terminal without paste marks.
 
 What follows such a read within 0.3 s is the rest of it, however few keys it has; not what is typed
-on and on behind it, or a key that is held.
+on and on behind it, or a key that is held, nor what comes behind a text in a dialog, where it plays
+nothing and the next key sends it.
 
 A terminal that has never answered says nothing of the kind. Then a key is stale if this process
 itself stood still for longer (stopped, or the computer slept) while keys came, and so are those
@@ -224,8 +225,9 @@ class TerminalMonitor:
         self._gap_us, self._awake_us = boot - self._awake_us, boot
         self._judge(self._clock.now_us())
 
-    def arrived(self, chords: Sequence[str]) -> bool:
-        """A read with these key presses (perhaps none) came: whether they are stale.
+    def arrived(self, chords: Sequence[str], *, play: bool = True) -> bool:
+        """A read with these key presses (perhaps none) came: whether they are stale. `play`: they
+        play actions, and no dialog has them.
 
         Ask `stale` and `age_us` again behind an answer in the same read.
         """
@@ -238,7 +240,7 @@ class TerminalMonitor:
         self._untyped = _untyped(chords, not known and silence_us > self._stale_us)
         if chords:
             if len(chords) >= PASTED and len(set(chords)) > 1:
-                self._text_us = boot
+                self._text_us = boot if play else None
             elif self._text_us is not None and boot - self._text_us < PAUSE_S * 1_000_000:
                 self._untyped = True
             self._keys_us = boot

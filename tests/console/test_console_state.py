@@ -443,7 +443,7 @@ def test_a_reload_replaces_panels_and_keeps_what_runs() -> None:
 
 def test_a_reload_brings_every_setting_that_it_can_change() -> None:
     """A setting of `WelcomeSettings` has to be carried, or named here as one of the robot's."""
-    of_the_robot = {"joints", "outlines", "lanes", "replay"}
+    of_the_robot = {"joints", "outlines", "lanes", "moves", "replay"}
     assert of_the_robot == {*WelcomeSettings.__struct_fields__} - {*r.PANEL_SETTINGS}
     settings = WelcomeSettings(
         stale_after=3.0, dead_man=9.0, abandon_after=60.0, sensors=["loudness"]

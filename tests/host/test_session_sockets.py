@@ -6,6 +6,7 @@ import shutil
 import socket
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -123,20 +124,25 @@ async def test_a_reload_that_fails_in_an_unforeseen_way_is_answered(tmp_path: Pa
         assert not reply["ok"]
 
 
-async def test_a_reload_of_a_broken_file_says_which_file_to_check(tmp_path: Path) -> None:
-    report = ProblemReport()
-    report.error_at("panels", "oh")
+async def reload_refused(folder: Path, report: ProblemReport) -> tuple[dict[str, Any], str]:
+    """What a reload is answered that finds these problems, and the name of the session's file."""
 
     def load() -> Experiment:
         report.raise_errors()
         raise AssertionError
 
-    async with served_session(tmp_path, load=load) as host:
+    async with served_session(folder, load=load) as host:
         peer = await host.connect()
         await peer.hello(stream="nothing")
-        reply = await peer.ask("reload")
-        assert host.session.experiment.path.name in reply["hint"]
-        assert len(reply["data"]) == 1
+        return await peer.ask("reload"), host.session.experiment.path.name
+
+
+async def test_a_reload_of_a_broken_file_says_which_file_to_check(tmp_path: Path) -> None:
+    report = ProblemReport()
+    report.error_at("panels", "oh")
+    reply, file = await reload_refused(tmp_path, report)
+    assert file in reply["hint"]
+    assert len(reply["data"]) == 1
 
 
 async def test_what_is_wrong_with_the_file_has_a_code_for_programs(tmp_path: Path) -> None:
@@ -145,23 +151,15 @@ async def test_what_is_wrong_with_the_file_has_a_code_for_programs(tmp_path: Pat
         "panels", Sentence("check.no_panel", "there is no panel {name}{near}", name="'A'", near="")
     )
     report.error_at("robot", "the driver's own words")
-
-    def load() -> Experiment:
-        report.raise_errors()
-        raise AssertionError
-
-    async with served_session(tmp_path, load=load) as host:
-        peer = await host.connect()
-        await peer.hello(stream="nothing")
-        reply = await peer.ask("reload")
-        assert [line.rpartition(": ")[2] for line in reply["data"]] == [
-            "there is no panel 'A'",
-            "the driver's own words",
-        ]
-        first, second = (reply["wording"][f"data.{at}"] for at in range(2))
-        assert first["code"] == second["code"] == "check.error"
-        assert first["values"]["message"]["code"] == "check.no_panel"
-        assert second["values"]["message"] == "the driver's own words"
+    reply, _ = await reload_refused(tmp_path, report)
+    assert [line.rpartition(": ")[2] for line in reply["data"]] == [
+        "there is no panel 'A'",
+        "the driver's own words",
+    ]
+    first, second = (reply["wording"][f"data.{at}"] for at in range(2))
+    assert first["code"] == second["code"] == "check.error"
+    assert first["values"]["message"]["code"] == "check.no_panel"
+    assert second["values"]["message"] == "the driver's own words"
 
 
 # -- what may be in the place of a folder ----------------------------------------------------------

@@ -440,7 +440,7 @@ def condition_rows(rows: Sequence[ConditionRow]) -> ReportTable:
     measures = [
         measure
         for measure in map(BY_NAME.__getitem__, TERMINAL_COLUMNS)
-        if _is_told(measure.name, [_row_value(row, measure) for row in rows])
+        if _has_figures(measure.name, [_row_value(row, measure) for row in rows])
     ]
     found, last = [], ""
     for row in rows:
@@ -453,7 +453,7 @@ def condition_rows(rows: Sequence[ConditionRow]) -> ReportTable:
     return ReportTable("By participant and condition", heads, found, words=3)
 
 
-def _is_told(name: str, values: Iterable[float | None]) -> bool:
+def _has_figures(name: str, values: Iterable[float | None]) -> bool:
     """Whether a main figure has a column or row: not where it exists nowhere, nor, where a feature
     counts it, where that had nothing to count.
     """
@@ -476,7 +476,7 @@ def condition_totals(totals: Sequence[ConditionTotal]) -> ReportTable:
             *(total_text(each.values[name], each.participants, BY_NAME[name]) for each in totals),
         ]
         for name in TERMINAL_COLUMNS
-        if _is_told(name, [each.values[name].mean for each in totals])
+        if _has_figures(name, [each.values[name].mean for each in totals])
     ]
     return ReportTable(
         f"By condition: {OVER}",

@@ -9,4 +9,4 @@ through the same hub: to the log, to every attached console, to any program that
 takes none of these queues.
 """
 
-__version__ = "0.1.0"
+__version__ = "0.2.0.dev0"
